@@ -1,0 +1,137 @@
+#include "kernels.hpp"
+
+#include <memory>
+
+#include <consimd/kernels/alignment_residuals.hpp>
+#include <consimd/kernels/angle_consistency.hpp>
+#include <consimd/kernels/length_consistency.hpp>
+#include <consimd/kernels/rigid_moments.hpp>
+#include <consimd/kernels/three_point_fit.hpp>
+
+namespace consimd::bench {
+namespace {
+
+constexpr std::size_t kAnySize = 100'000;
+constexpr std::size_t kMatrixSize = 10'000;  // beyond it the matrix leaves the caches that a registration can count on
+
+std::size_t tests(const Workload& w) { return kBatch * w.size(); }
+std::size_t correspondences(const Workload& w) { return w.size(); }
+std::size_t distinct_pairs(const Workload& w) { return w.size() * (w.size() - 1) / 2; }
+std::size_t row_bits(const Workload& w) { return w.rows.size() * w.size(); }
+
+Call length_counts(const Workload& w) {
+  return [&w](Outcome& out) {
+    out.counts.resize(kBatch);
+    length_consistency_counts(w.correspondences, w.seeds, w.consistency_bound, out.counts);
+  };
+}
+
+Call length_bits(const Workload& w) {
+  return [&w](Outcome& out) {
+    out.counts.resize(kBatch);
+    out.bits.resize(kBatch * w.chosen.size());
+    length_consistency_bits(w.correspondences, w.seeds, w.consistency_bound, out.bits, out.counts);
+  };
+}
+
+Call angle_counts(const Workload& w) {
+  return [&w](Outcome& out) {
+    out.counts.resize(kBatch);
+    angle_consistency_counts(w.correspondences, w.pairs, w.consistency_bound, out.counts);
+  };
+}
+
+Call angle_bits(const Workload& w) {
+  return [&w](Outcome& out) {
+    out.counts.resize(kBatch);
+    out.bits.resize(kBatch * w.chosen.size());
+    angle_consistency_bits(w.correspondences, w.pairs, w.consistency_bound, out.bits, out.counts);
+  };
+}
+
+Call pose_counts(const Workload& w) {
+  return [&w](Outcome& out) {
+    out.counts.resize(kBatch);
+    alignment_counts(w.correspondences, w.poses, w.noise_bound, out.counts);
+  };
+}
+
+Call pose_scores(const Workload& w) {
+  return [&w](Outcome& out) {
+    out.support.resize(kBatch);
+    alignment_scores(w.correspondences, w.poses, w.noise_bound, out.support);
+  };
+}
+
+Call pose_bits(const Workload& w) {
+  return [&w](Outcome& out) {
+    out.counts.resize(kBatch);
+    out.bits.resize(kBatch * w.chosen.size());
+    alignment_bits(w.correspondences, w.poses, w.noise_bound, out.bits, out.counts);
+  };
+}
+
+Call moments_weighted(const Workload& w) {
+  return [&w](Outcome& out) { out.moments = weighted_moments(w.correspondences, w.weights()); };
+}
+
+Call moments_subset(const Workload& w) {
+  return [&w](Outcome& out) { out.moments = subset_moments(w.correspondences, w.chosen); };
+}
+
+template <WeightFunction kFunction>
+Call moments_robust(const Workload& w) {
+  return [&w](Outcome& out) {
+    const RobustWeight weight{
+        .function = kFunction, .scale = w.noise_bound / 3.0, .cutoff = 3.0 * w.noise_bound, .odds = 0.01};
+    out.moments = robust_moments(w.correspondences, w.poses.front(), weight);
+  };
+}
+
+Call minimal_fits(const Workload& w) {
+  return [&w](Outcome& out) {
+    out.poses.resize(w.triples.size());
+    three_point_fits(w.correspondences, w.triples, out.poses);
+  };
+}
+
+Call matrix(const Workload& w) {
+  return [&w](Outcome& out) {
+    out.matrix.compute(w.correspondences, w.consistency_bound);
+    out.counts.assign(out.matrix.degrees().begin(), out.matrix.degrees().end());
+  };
+}
+
+Call matrix_rows(const Workload& w) {
+  const auto graph = std::make_shared<ConsistencyMatrix>();
+  graph->compute(w.correspondences, w.consistency_bound);
+  return [&w, graph](Outcome& out) {
+    out.counts.resize(w.rows.size());
+    and_popcount_rows(*graph, w.chosen, w.rows, out.counts);
+  };
+}
+
+}  // namespace
+
+const std::vector<Kernel>& kernels() {
+  static const std::vector<Kernel> list{
+      {"length_consistency_counts", "pairs", tests, kAnySize, length_counts},
+      {"length_consistency_bits", "pairs", tests, kAnySize, length_bits},
+      {"angle_consistency_counts", "triples", tests, kAnySize, angle_counts},
+      {"angle_consistency_bits", "triples", tests, kAnySize, angle_bits},
+      {"alignment_counts", "residuals", tests, kAnySize, pose_counts},
+      {"alignment_scores", "residuals", tests, kAnySize, pose_scores},
+      {"alignment_bits", "residuals", tests, kAnySize, pose_bits},
+      {"weighted_moments", "correspondences", correspondences, kAnySize, moments_weighted},
+      {"subset_moments", "correspondences", correspondences, kAnySize, moments_subset},
+      {"robust_moments_cauchy", "correspondences", correspondences, kAnySize, moments_robust<WeightFunction::cauchy>},
+      {"robust_moments_mixture", "correspondences", correspondences, kAnySize,
+       moments_robust<WeightFunction::student_uniform>},
+      {"three_point_fits", "fits", correspondences, kAnySize, minimal_fits},
+      {"consistency_matrix", "distinct pairs", distinct_pairs, kMatrixSize, matrix},
+      {"and_popcount_rows", "bits", row_bits, kMatrixSize, matrix_rows},
+  };
+  return list;
+}
+
+}  // namespace consimd::bench

@@ -1,0 +1,56 @@
+// Benchmarks of the kernels and of whole registrations; takes Google Benchmark's arguments.
+#include <cstdio>
+#include <exception>
+#include <string>
+#include <vector>
+
+#include <benchmark/benchmark.h>
+
+#include <consimd/kernels/isa.hpp>
+
+#include "kernel_benchmarks.hpp"
+#include "registration_benchmarks.hpp"
+#include "study/build_info.hpp"
+
+namespace {
+
+/// Ours beside the library's own context: its "library_build_type" is about Google Benchmark, which Debian builds as
+/// debug.
+void describe_build() {
+  const auto context = [](const char* key, std::string_view value) {
+    benchmark::AddCustomContext(key, std::string(value));
+  };
+  const consimd::study::BuildInfo& build = consimd::study::build_info();
+  const consimd::study::Machine machine = consimd::study::this_machine();
+  context("consimd_version", build.version);
+  context("consimd_commit", build.commit);
+  context("consimd_build_type", build.build_type);
+  context("consimd_compiler", build.compiler);
+  context("consimd_flags", build.flags);
+  context("consimd_default_isa", to_string(consimd::active_isa()));
+  context("consimd_threads", "1");
+  context("cpu", machine.cpu);
+  context("system", machine.system);
+}
+
+}  // namespace
+
+int main(int argc, char** argv) try {
+  // Some 300 benchmarks: a tenth of a second each unless told otherwise. Later arguments override earlier ones.
+  std::string min_time = "--benchmark_min_time=0.1";
+  std::vector<char*> arguments{argv[0], min_time.data()};
+  arguments.insert(arguments.end(), argv + 1, argv + argc);
+  int count = static_cast<int>(arguments.size());
+  arguments.push_back(nullptr);
+  benchmark::Initialize(&count, arguments.data());
+  if (benchmark::ReportUnrecognizedArguments(count, arguments.data())) return 2;
+  describe_build();
+  consimd::bench::register_kernel_benchmarks();
+  consimd::bench::register_registration_benchmarks();
+  benchmark::RunSpecifiedBenchmarks();
+  benchmark::Shutdown();
+  return 0;
+} catch (const std::exception& error) {
+  std::fprintf(stderr, "consimd_bench: %s\n", error.what());
+  return 2;
+}

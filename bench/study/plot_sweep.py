@@ -1,0 +1,159 @@
+#!/usr/bin/env python3
+"""Draws recall and errors over the noise level from the cells.csv of a noise study.
+
+Usage: plot_sweep.py DIR      writes DIR/recall.{svg,png} and DIR/errors.{svg,png}
+"""
+
+import csv
+import sys
+from pathlib import Path
+
+import matplotlib
+
+matplotlib.use("Agg")
+import matplotlib.pyplot as plt
+from matplotlib.lines import Line2D
+from matplotlib.patches import Patch
+
+# Okabe and Ito's colours, told apart with any colour vision; the markers tell the lines apart in greyscale.
+COLOURS = ["#0072B2", "#E69F00", "#009E73", "#D55E00", "#CC79A7", "#56B4E9", "#000000"]
+MARKERS = ["o", "s", "^", "D", "v", "P", "X"]
+COLUMN_WIDTH = 3.5  # inches: one column of a two-column paper
+PAGE_WIDTH = 7.16
+LEGEND_HEIGHT = 0.42
+
+STYLE = {
+    "font.size": 8,
+    "axes.labelsize": 9,
+    "axes.titlesize": 9,
+    "axes.grid": True,
+    "axes.spines.top": False,
+    "axes.spines.right": False,
+    "grid.color": "0.88",
+    "grid.linewidth": 0.6,
+    "lines.linewidth": 1.2,
+    "lines.markersize": 4,
+    "legend.frameon": False,
+    "legend.handlelength": 1.6,
+    "legend.handletextpad": 0.3,
+    "legend.columnspacing": 0.6,
+    "legend.borderaxespad": 0.0,
+    "savefig.dpi": 300,
+    "svg.hashsalt": "consimd",  # the same data give the same file
+}
+
+
+class Study:
+    """Curves over sigma by (solver, outlier ratio): a dict of column name to list of floats."""
+
+    def __init__(self, path):
+        self.curves = {}
+        with open(path, newline="") as file:
+            for row in csv.DictReader(file):
+                curve = self.curves.setdefault((row["solver"], float(row["outlier_ratio"])), {})
+                for column, value in row.items():
+                    if column not in ("solver", "outlier_ratio"):
+                        curve.setdefault(column, []).append(float(value))
+        for curve in self.curves.values():
+            order = sorted(range(len(curve["sigma"])), key=curve["sigma"].__getitem__)
+            for column, values in curve.items():
+                curve[column] = [values[i] for i in order]
+        self.solvers = list(dict.fromkeys(solver for solver, _ in self.curves))
+        self.ratios = sorted({ratio for _, ratio in self.curves})
+
+    def lines(self, solver):
+        """(curve, plot style) of every outlier ratio of a solver."""
+        for i, ratio in enumerate(self.ratios):
+            curve = self.curves[solver, ratio]
+            every = max(1, len(curve["sigma"]) // 10)
+            # Markers of neighbouring lines are staggered: lines that coincide stay visible.
+            yield curve, {**self.style(i), "markevery": (i * every // len(self.ratios), every)}
+
+    @staticmethod
+    def style(i):
+        return {"color": COLOURS[i % len(COLOURS)], "marker": MARKERS[i % len(MARKERS)]}
+
+    def ratio_handles(self):
+        head = Line2D([], [], linestyle="none", label="outliers:")
+        ratios = enumerate(self.ratios)
+        return [head] + [Line2D([], [], label=f"{100 * ratio:g} %", **self.style(i)) for i, ratio in ratios]
+
+
+def panels(rows, columns, width, height, **shared):
+    """A figure, its rows x columns axes, and a strip of two lines below them for legends."""
+    figure = plt.figure(figsize=(width, height + LEGEND_HEIGHT), layout="constrained")
+    above, strip = figure.subfigures(2, 1, height_ratios=[height, LEGEND_HEIGHT])
+    return figure, above.subplots(rows, columns, squeeze=False, **shared), strip
+
+
+def add_legends(strip, study, kinds):
+    """The outlier ratios on one line, what kinds of lines there are on the next."""
+    handles = study.ratio_handles()
+    strip.legend(handles=handles, loc="upper center", ncol=len(handles))
+    strip.legend(handles=kinds, loc="lower center", ncol=len(kinds))
+
+
+def save(figure, folder, name):
+    figure.savefig(folder / f"{name}.svg", metadata={"Date": None})
+    figure.savefig(folder / f"{name}.png")
+    plt.close(figure)
+
+
+def draw_recall(study, folder):
+    count = len(study.solvers)
+    width = max(COLUMN_WIDTH, 2.4 * count, 0.57 * (1 + len(study.ratios)))
+    figure, axes, strip = panels(1, count, width, 2.3, sharey=True)
+    lowest = 100.0
+    for ax, solver in zip(axes[0], study.solvers):
+        for curve, style in study.lines(solver):
+            low, recall, high = ([100.0 * v for v in curve[c]] for c in ("recall_low", "recall", "recall_high"))
+            ax.fill_between(curve["sigma"], low, high, color=style["color"], alpha=0.1, linewidth=0)
+            ax.plot(curve["sigma"], recall, clip_on=False, **style)
+            lowest = min(lowest, *low)
+        ax.set_xlabel("noise σ (m)")
+        if count > 1:
+            ax.set_title(solver)
+    axes[0, 0].set_ylabel("recall (%)")
+    axes[0, 0].set_ylim(max(0.0, min(90.0, 5.0 * (lowest // 5.0))), 100.0)
+    add_legends(strip, study, [Patch(color="0.8", linewidth=0, label="95 % interval (Wilson)")])
+    save(figure, folder, "recall")
+
+
+def draw_errors(study, folder):
+    count = len(study.solvers)
+    figure, axes, strip = panels(count, 2, PAGE_WIDTH, 2.4 * count, sharex=True, sharey="col")
+    dashed = {"color": "black", "linewidth": 0.8, "linestyle": (0, (4, 3))}
+    for row, solver in zip(axes, study.solvers):
+        for ax, column, label in (
+            (row[0], "rotation_error_deg_mean", "rotation error (deg)"),
+            (row[1], "translation_error_mean", "translation error (m)"),
+        ):
+            for curve, style in study.lines(solver):
+                ax.plot(curve["sigma"], curve[column], linewidth=1.8, **style)
+                ax.plot(curve["sigma"], curve[f"oracle_{column}"], **dashed)
+            ax.set_yscale("log")
+            ax.set_ylabel(label)
+            if count > 1:
+                ax.set_title(solver)
+    for ax in axes[-1]:
+        ax.set_xlabel("noise σ (m)")
+    kinds = [
+        Line2D([], [], color="0.4", linewidth=1.8, label=f"{', '.join(study.solvers)}: mean of all trials"),
+        Line2D([], [], label="oracle: least squares on the true inliers", **dashed),
+    ]
+    add_legends(strip, study, kinds)
+    save(figure, folder, "errors")
+
+
+def main():
+    if len(sys.argv) != 2:
+        sys.exit(__doc__.strip())
+    folder = Path(sys.argv[1])
+    study = Study(folder / "cells.csv")
+    with plt.rc_context(STYLE):
+        draw_recall(study, folder)
+        draw_errors(study, folder)
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,102 @@
+#include "number_table.hpp"
+
+#include <cerrno>
+#include <charconv>
+#include <cmath>
+#include <fstream>
+#include <iterator>
+#include <stdexcept>
+#include <string>
+#include <string_view>
+#include <system_error>
+
+#include <fmt/format.h>
+
+namespace consimd::cli {
+namespace {
+
+constexpr std::string_view kBlanks = " \t\v\f\r";
+
+std::string read_text(const std::filesystem::path& path) {
+  std::error_code ignored;
+  if (std::filesystem::is_directory(path, ignored)) {
+    throw std::runtime_error(fmt::format("{}: is a folder, expected a file", path.string()));
+  }
+  errno = 0;
+  std::ifstream file(path, std::ios::binary);
+  if (!file) {
+    throw std::runtime_error(fmt::format("{}: cannot read: {}", path.string(), std::generic_category().message(errno)));
+  }
+  return {std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
+}
+
+/// A word of the file as an error message may show it: short and printable.
+std::string shown(std::string_view word) {
+  constexpr std::size_t kLongest = 40;
+  std::string text(word.substr(0, kLongest));
+  for (char& c : text) {
+    if (c < ' ' || c > '~') c = '?';
+  }
+  return word.size() > kLongest ? text + "..." : text;
+}
+
+/// One number without separators around it. Throws std::invalid_argument.
+double parse(std::string_view word) {
+  if (word.empty()) throw std::invalid_argument("nothing between two commas");
+  const char* first = word.data() + (word.size() > 1 && word[0] == '+' && word[1] != '-' ? 1 : 0);
+  const char* last = word.data() + word.size();
+  double value = 0.0;
+  const auto [rest, error] = std::from_chars(first, last, value);
+  if (error == std::errc::result_out_of_range) {
+    throw std::invalid_argument(fmt::format("'{}' is out of a double's range", shown(word)));
+  }
+  if (error != std::errc() || rest != last)
+    throw std::invalid_argument(fmt::format("'{}' is not a number", shown(word)));
+  if (!std::isfinite(value)) throw std::invalid_argument(fmt::format("'{}' is not finite", shown(word)));
+  return value;
+}
+
+std::string_view trimmed(std::string_view text) {
+  const std::size_t first = text.find_first_not_of(kBlanks);
+  if (first == std::string_view::npos) return {};
+  return text.substr(first, text.find_last_not_of(kBlanks) - first + 1);
+}
+
+/// Appends the numbers of a line that is not empty; returns how many. Throws std::invalid_argument.
+std::size_t append_numbers(std::string_view line, std::vector<double>& values) {
+  std::size_t count = 0;
+  for (;;) {
+    const std::size_t end = line.find_first_of(" \t\v\f\r,");
+    values.push_back(parse(line.substr(0, end)));
+    ++count;
+    if (end == std::string_view::npos) return count;
+    // Blanks around one comma belong to it.
+    line = trimmed(line.substr(end));
+    if (line.starts_with(',')) line = trimmed(line.substr(1));
+  }
+}
+
+}  // namespace
+
+NumberTable read_number_table(const std::filesystem::path& path, std::size_t columns) {
+  const std::string text = read_text(path);
+  std::string_view rest = text;
+  if (rest.starts_with("\xEF\xBB\xBF")) rest.remove_prefix(3);
+  NumberTable table{columns, {}};
+  for (std::size_t number = 1; !rest.empty(); ++number) {
+    const std::size_t end = rest.find('\n');
+    std::string_view line = rest.substr(0, end);
+    rest.remove_prefix(end == std::string_view::npos ? rest.size() : end + 1);
+    line = trimmed(line.substr(0, line.find('#')));
+    if (line.empty()) continue;
+    try {
+      const std::size_t count = append_numbers(line, table.values);
+      if (count != columns) throw std::invalid_argument(fmt::format("expected {} numbers, got {}", columns, count));
+    } catch (const std::invalid_argument& error) {
+      throw std::runtime_error(fmt::format("{}:{}: {}", path.string(), number, error.what()));
+    }
+  }
+  return table;
+}
+
+}  // namespace consimd::cli

@@ -1,0 +1,117 @@
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <stdexcept>
+
+#include <fmt/format.h>
+
+#include <consimd/solvers/solver.hpp>
+#include <consimd/synth/metrics.hpp>
+
+#include "commands.hpp"
+#include "correspondence_file.hpp"
+#include "option_checks.hpp"
+#include "pose_file.hpp"
+#include "register_report.hpp"
+#include "study/replace_file.hpp"
+#include "study/sweep_options.hpp"
+#include "threads.hpp"
+
+namespace consimd::cli {
+namespace {
+
+struct Options {
+  std::string file;
+  double noise_bound = 0.0;
+  std::string solver = "tcf";
+  std::uint64_t seed = 1;
+  std::uint32_t repeat = 1;
+  int threads = 1;
+  std::string truth;
+  std::string json;
+};
+
+void check(const Options& options) {
+  if (!(std::isfinite(options.noise_bound) && options.noise_bound > 0.0)) {
+    throw std::invalid_argument(
+        fmt::format("--noise-bound: expected a finite length > 0, got {}", options.noise_bound));
+  }
+  study::require_known_solver(options.solver);
+  if (!options.json.empty() && options.json != "-") study::require_replaceable(options.json);
+}
+
+int run_register(const Options& options) {
+  check(options);
+  RegisterReport report{.file = options.file,
+                        .isa = std::string(to_string(active_isa())),
+                        .threads = options.threads,
+                        .solver = options.solver,
+                        .noise_bound = options.noise_bound};
+  std::optional<RigidTransform> truth;
+  if (!options.truth.empty()) truth = read_pose(options.truth);
+  const Correspondences correspondences = read_correspondences(options.file);
+  report.correspondences = correspondences.size();
+
+  with_threads(options.threads, [&] {
+    for (std::uint32_t run = 0; run < options.repeat; ++run) {
+      report.runs.push_back(register_by_name(options.solver, correspondences,
+                                             {.noise_bound = options.noise_bound, .seed = options.seed + run}));
+    }
+  });
+  if (truth) {
+    for (const Registration& run : report.runs) {
+      report.errors.push_back({synth::rotation_error_deg(run.T_target_source, *truth),
+                               synth::translation_error(run.T_target_source, *truth)});
+    }
+  }
+
+  if (options.json.empty()) {
+    fmt::print("{}", to_text(report));
+  } else if (options.json == "-") {
+    fmt::print("{}", to_json(report));
+  } else {
+    study::replace_file(options.json, to_json(report));
+  }
+  const bool all_found =
+      std::all_of(report.runs.begin(), report.runs.end(), [](const Registration& run) { return run.has_pose(); });
+  return all_found ? kSuccess : kNoPose;
+}
+
+}  // namespace
+
+void add_register_command(CLI::App& app, Action& run) {
+  CLI::App* command = app.add_subcommand("register", "Find the rigid motion that a file of correspondences agrees on");
+  auto options = std::make_shared<Options>();
+  command
+      ->add_option("FILE", options->file,
+                   "Text, a correspondence a line: source x y z, target x y z, separated by blanks or commas; '#' "
+                   "starts a comment")
+      ->required();
+  command
+      ->add_option(
+          "--noise-bound", options->noise_bound,
+          "Largest distance of a true correspondence's target from the moved source, in the file's unit; about 3 "
+          "times the noise's standard deviation")
+      ->required();
+  command->add_option("--solver", options->solver, "Solver; 'consimd info' lists them")->capture_default_str();
+  command->add_option("--seed", options->seed, "Seed of the first run")->check(whole_number())->capture_default_str();
+  command->add_option("--repeat", options->repeat, "Runs, with seeds seed, seed + 1, ...")
+      ->check(whole_number(1, 1'000'000))
+      ->capture_default_str();
+  add_threads_option(*command, options->threads);
+  command->add_option("--truth", options->truth,
+                      "File with the true pose (4 x 4 or 3 x 4, source to target): reports errors against it");
+  command->add_option("--json", options->json,
+                      "Write the result as JSON to this file, or to the standard output ('-')");
+  command->footer(
+      "Exit code: 0 when every run found a pose, 1 when one did not, 2 on bad usage or input.\n"
+      "Examples:\n"
+      "  consimd register pair.txt --noise-bound 0.6                         metres, lidar clouds of 0.3 m voxels\n"
+      "  consimd register pair.txt --noise-bound 0.6 --repeat 50 --truth pose.txt\n"
+      "  consimd register pair.txt --noise-bound 0.6 --json -                to the next program");
+  command->callback([&run, options] { run = [options] { return run_register(*options); }; });
+}
+
+}  // namespace consimd::cli

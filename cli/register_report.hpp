@@ -1,0 +1,35 @@
+// What `consimd register` tells of its runs.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include <consimd/solvers/registration.hpp>
+
+namespace consimd::cli {
+
+/// A run's errors against the ground truth; degrees, and the file's unit.
+struct PoseErrors {
+  double rotation_deg = 0.0;
+  double translation = 0.0;
+};
+
+struct RegisterReport {
+  std::string file;
+  std::size_t correspondences = 0;
+  std::string isa;
+  int threads = 1;
+  std::string solver;
+  double noise_bound = 0.0;
+  std::vector<Registration> runs = {};
+  std::vector<PoseErrors> errors = {};  ///< one per run, or none without a ground truth
+};
+
+/// One JSON object, a line per run. Numbers read back to the same bits; results that are the same give the same bytes
+/// but for times, threads and ISA.
+[[nodiscard]] std::string to_json(const RegisterReport& report);
+
+/// For people: the run in full, or a summary of several.
+[[nodiscard]] std::string to_text(const RegisterReport& report);
+
+}  // namespace consimd::cli

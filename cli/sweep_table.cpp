@@ -1,0 +1,28 @@
+#include "sweep_table.hpp"
+
+#include <algorithm>
+
+#include <fmt/format.h>
+
+namespace consimd::cli {
+
+std::string sweep_table(const std::vector<study::RatioSummary>& rows) {
+  std::size_t width = 6;
+  for (const study::RatioSummary& row : rows) width = std::max(width, row.solver.size());
+  std::string text = fmt::format(
+      "                  recall, %        rotation error, deg       translation error, m    worst error/oracle    "
+      "time, ms\n"
+      "outliers  {:<{}}     min    mean      mean  oracle              mean  oracle          rotation  transl.      "
+      "median\n",
+      "solver", width);
+  for (const study::RatioSummary& row : rows) {
+    text += fmt::format(
+        "{:>6.4g} %  {:<{}}  {:>6.2f}  {:>6.2f}  {:>8.4f} {:>8.4f}  {:>8.4f} {:>8.4f}  {:>8.2f} {:>8.2f}  {:>8.2f}\n",
+        100.0 * row.outlier_ratio, row.solver, width, 100.0 * row.recall_min, 100.0 * row.recall_mean,
+        row.error.rotation_deg, row.oracle_error.rotation_deg, row.error.translation, row.oracle_error.translation,
+        row.worst_ratio.rotation_deg, row.worst_ratio.translation, 1e3 * row.seconds_median);
+  }
+  return text;
+}
+
+}  // namespace consimd::cli

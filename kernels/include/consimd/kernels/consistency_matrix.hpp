@@ -1,0 +1,49 @@
+// The pairwise length-consistency matrix of a set of correspondences as bits.
+#pragma once
+
+#include <consimd/kernels/correspondences.hpp>
+
+#include <vector>
+
+namespace consimd {
+
+/// N x N symmetric bit matrix: bit j of row i tells whether i and j are length consistent (see length_consistency.hpp;
+/// the diagonal is set). Rows are view.words() words; bits from N on are 0. Takes N * words * 8 bytes, 1.1 MB for N =
+/// 3000: ask `memory_bytes` first when N is large.
+class ConsistencyMatrix {
+ public:
+  ConsistencyMatrix() = default;
+
+  [[nodiscard]] static std::size_t memory_bytes(std::size_t correspondences) noexcept;
+
+  /// Fills the matrix, each pair once. Keeps its memory for the next call.
+  void compute(const CorrespondenceView& view, double bound);
+
+  [[nodiscard]] std::size_t size() const noexcept { return size_; }
+  [[nodiscard]] std::size_t words() const noexcept { return words_; }
+  [[nodiscard]] std::span<const std::uint64_t> row(std::size_t i) const noexcept {
+    return {data() + i * words_, words_};
+  }
+  [[nodiscard]] const std::uint64_t* data() const noexcept { return storage_.data(); }
+  /// Number of ones in each row, the diagonal included.
+  [[nodiscard]] std::span<const std::uint32_t> degrees() const noexcept { return degrees_; }
+
+ private:
+  std::size_t size_ = 0;
+  std::size_t words_ = 0;
+  std::vector<std::uint64_t> storage_;
+  std::vector<std::uint32_t> degrees_;
+};
+
+/// Number of bits set in `bits`.
+[[nodiscard]] std::uint32_t popcount(std::span<const std::uint64_t> bits);
+
+/// Number of bits set in both a and b (equal sizes).
+[[nodiscard]] std::uint32_t and_popcount(std::span<const std::uint64_t> a, std::span<const std::uint64_t> b);
+
+/// counts[r] = bits set in both `set` and row rows[r] of `matrix`: the degrees of chosen members within the set.
+/// set: matrix.words() words; rows, counts: R. Throws std::invalid_argument on mismatched sizes.
+void and_popcount_rows(const ConsistencyMatrix& matrix, std::span<const std::uint64_t> set,
+                       std::span<const std::uint32_t> rows, std::span<std::uint32_t> counts);
+
+}  // namespace consimd

@@ -1,0 +1,23 @@
+// Weighted moments of correspondences: all that a weighted least-squares rigid fit (Kabsch, Horn) needs.
+#pragma once
+
+#include <consimd/kernels/correspondences.hpp>
+#include <consimd/kernels/kernel_data.hpp>
+
+namespace consimd {
+
+/// Moments with the given weights. weights: view.padded_size() floats, 64-byte aligned; those of padded lanes may be
+/// anything. Single-precision products in 16 interleaved single-precision sums, joined in double after every 1024
+/// correspondences, all in one fixed order: the same bits on every ISA. Relative rounding about 1e-7 of the sum of the
+/// absolute terms.
+[[nodiscard]] RigidMoments weighted_moments(const CorrespondenceView& view, const float* weights);
+
+/// Moments over the correspondences whose bit is set. bits: view.words() words.
+[[nodiscard]] RigidMoments subset_moments(const CorrespondenceView& view, std::span<const std::uint64_t> bits);
+
+/// One pass of an iteratively reweighted fit: residuals under `pose`, weights from them, moments from these.
+/// Throws std::invalid_argument on a bad parameter.
+[[nodiscard]] RigidMoments robust_moments(const CorrespondenceView& view, const WorkingPose& pose,
+                                          const RobustWeight& weight);
+
+}  // namespace consimd

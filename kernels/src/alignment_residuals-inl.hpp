@@ -1,0 +1,58 @@
+#pragma once
+
+#include "kernel_table.hpp"
+#include "simd.hpp"
+
+namespace consimd::detail {
+
+template <typename Arch>
+struct Residual {
+  explicit Residual(const WorkingPose& pose) {
+    for (int k = 0; k < 9; ++k) r[k] = Batch<Arch>(pose.rotation[k]);
+    for (int k = 0; k < 3; ++k) t[k] = Batch<Arch>(pose.translation[k]);
+  }
+
+  /// | R p + t - q |^2
+  Batch<Arch> operator()(const Vec3<Arch>& p, const Vec3<Arch>& q) const {
+    const Vec3<Arch> moved{r[0] * p.x + r[1] * p.y + r[2] * p.z + t[0], r[3] * p.x + r[4] * p.y + r[5] * p.z + t[1],
+                           r[6] * p.x + r[7] * p.y + r[8] * p.z + t[2]};
+    const Vec3<Arch> difference = moved - q;
+    return dot(difference, difference);
+  }
+
+  Batch<Arch> r[9];
+  Batch<Arch> t[3];
+};
+
+template <typename Arch>
+struct AlignmentTest {
+  AlignmentTest(const RawView&, const WorkingPose& pose, float bound) : residual(pose), squared(bound * bound) {}
+
+  Mask<Arch> operator()(const Vec3<Arch>& p, const Vec3<Arch>& q) const { return residual(p, q) < squared; }
+
+  Residual<Arch> residual;
+  Batch<Arch> squared;
+};
+
+template <typename Arch>
+void alignment_scores(const RawView& view, const WorkingPose* poses, std::size_t n, float bound, PoseSupport* support) {
+  for (std::size_t h = 0; h < n; ++h) {
+    const Residual<Arch> residual(poses[h]);
+    const Batch<Arch> squared(bound * bound);
+    InterleavedSum<Arch> sum;
+    std::uint32_t count = 0;
+    for (std::size_t begin = 0; begin < view.padded; begin += 64) {
+      std::uint64_t word = 0;
+      for (std::size_t k = 0; k < 64; k += kWidth<Arch>) {
+        const Batch<Arch> r = residual(load<Arch>(view.source, begin + k), load<Arch>(view.target, begin + k));
+        const Mask<Arch> supports = r < squared;
+        sum.add(k, keep<Arch>(supports, r));
+        word |= bitmask(supports) << k;
+      }
+      count += popcount<Arch>(word);
+    }
+    support[h] = {count, static_cast<float>(count) - sum.total() / (bound * bound)};
+  }
+}
+
+}  // namespace consimd::detail

@@ -1,0 +1,99 @@
+#pragma once
+
+#include "consensus-inl.hpp"
+#include "kernel_table.hpp"
+#include "length_consistency-inl.hpp"
+#include "simd.hpp"
+
+namespace consimd::detail {
+
+constexpr std::size_t kTiles = 8;
+
+/// Tiles of 64 x 64 bits side by side: word t of row i is row i of tile t.
+struct BitTiles {
+  alignas(64) std::uint64_t rows[64][kTiles];
+};
+
+/// Exchanges the off-diagonal blocks of kSize x kSize bits of every tile; kLowBits are the columns whose index has bit
+/// kSize clear.
+template <typename Arch, std::size_t kSize, std::uint64_t kLowBits>
+inline void exchange_blocks(BitTiles& tiles) {
+  using Words = xsimd::batch<std::uint64_t, Arch>;
+  for (std::size_t block = 0; block < 64; block += 2 * kSize) {
+    for (std::size_t i = block; i < block + kSize; ++i) {
+      for (std::size_t t = 0; t < kTiles; t += Words::size) {
+        const Words upper = Words::load_aligned(&tiles.rows[i][t]);
+        const Words lower = Words::load_aligned(&tiles.rows[i + kSize][t]);
+        const Words exchanged = ((upper >> static_cast<int>(kSize)) ^ lower) & Words(kLowBits);
+        (lower ^ exchanged).store_aligned(&tiles.rows[i + kSize][t]);
+        (upper ^ (exchanged << static_cast<int>(kSize))).store_aligned(&tiles.rows[i][t]);
+      }
+    }
+  }
+}
+
+/// Transposes every tile in place.
+template <typename Arch>
+inline void transpose(BitTiles& tiles) {
+  exchange_blocks<Arch, 1, 0x5555555555555555>(tiles);
+  exchange_blocks<Arch, 2, 0x3333333333333333>(tiles);
+  exchange_blocks<Arch, 4, 0x0f0f0f0f0f0f0f0f>(tiles);
+  exchange_blocks<Arch, 8, 0x00ff00ff00ff00ff>(tiles);
+  exchange_blocks<Arch, 16, 0x0000ffff0000ffff>(tiles);
+  exchange_blocks<Arch, 32, 0x00000000ffffffff>(tiles);
+}
+
+/// Tests the tiles on and above the diagonal; those below are their transposes. Works through squares of kTiles x
+/// kTiles tiles, so that what is mirrored is written in whole cache lines.
+template <typename Arch>
+void consistency_matrix(const RawView& view, float bound, std::uint64_t* bits, std::uint32_t* degrees) {
+  const std::size_t size = view.size;
+  const std::size_t words = view.padded / 64;
+  const auto end_of = [](std::size_t begin, std::size_t length, std::size_t limit) {
+    return begin + length < limit ? begin + length : limit;
+  };
+  for (std::size_t i = 0; i < size; ++i) degrees[i] = 0;
+  for (std::size_t top = 0; top < words; top += kTiles) {
+    const std::size_t bottom = end_of(top, kTiles, words);
+    for (std::size_t left = top; left < words; left += kTiles) {
+      const std::size_t right = end_of(left, kTiles, words);
+      BitTiles square[kTiles] = {};
+      for (std::size_t row_word = top; row_word < bottom; ++row_word) {
+        BitTiles& tiles = square[row_word - top];
+        const std::size_t first = left == top ? row_word : left;
+        for (std::size_t i = row_word * 64; i < end_of(row_word * 64, 64, size); ++i) {
+          const LengthTest<Arch> test(view, static_cast<std::uint32_t>(i), bound);
+          std::uint32_t degree = 0;
+          for (std::size_t word = first; word < right; ++word) {
+            const std::uint64_t consistent = test_word<Arch>(view, test, word * 64);
+            bits[i * words + word] = consistent;
+            tiles.rows[i % 64][word - left] = consistent;
+            degree += popcount<Arch>(consistent);
+          }
+          degrees[i] += degree;
+        }
+        transpose<Arch>(tiles);
+      }
+      for (std::size_t word = left; word < right; ++word) {
+        const std::size_t mirrored_end = word < bottom ? word : bottom;
+        for (std::size_t j = word * 64; j < end_of(word * 64, 64, size); ++j) {
+          std::uint32_t degree = 0;
+          for (std::size_t row_word = top; row_word < mirrored_end; ++row_word) {
+            const std::uint64_t consistent = square[row_word - top].rows[j % 64][word - left];
+            bits[j * words + row_word] = consistent;
+            degree += popcount<Arch>(consistent);
+          }
+          degrees[j] += degree;
+        }
+      }
+    }
+  }
+}
+
+template <typename Arch>
+void and_popcount_rows(const std::uint64_t* matrix, std::size_t words, const std::uint64_t* set,
+                       const std::uint32_t* rows, std::size_t n, std::uint32_t* counts) {
+  for (std::size_t r = 0; r < n; ++r) counts[r] = and_popcount<Arch>(matrix + rows[r] * words, set, words);
+}
+
+}  // namespace consimd::detail

@@ -1,0 +1,122 @@
+#include <consimd/kernels/correspondences.hpp>
+
+#include <algorithm>
+#include <cmath>
+#include <new>
+#include <stdexcept>
+#include <string>
+
+namespace consimd {
+namespace {
+
+constexpr std::align_val_t kAlignment{64};
+constexpr float kPadding = std::numeric_limits<float>::quiet_NaN();
+
+template <typename T>
+void require_finite(const PointSpan<T>& points, const char* cloud) {
+  for (std::size_t i = 0; i < points.size; ++i) {
+    for (std::size_t c = 0; c < 3; ++c) {
+      if (std::isfinite(points(i, c))) continue;
+      throw std::invalid_argument(std::string(cloud) + " point " + std::to_string(i) + ": coordinate " + "xyz"[c] +
+                                  " is " + std::to_string(points(i, c)) + ", expected a finite number");
+    }
+  }
+}
+
+/// Mean by scaled terms: a plain sum could overflow where the mean does not.
+template <typename T>
+std::array<double, 3> centroid(const PointSpan<T>& points) {
+  std::array<double, 3> mean{};
+  const auto n = static_cast<double>(points.size);
+  for (std::size_t i = 0; i < points.size; ++i) {
+    for (std::size_t c = 0; c < 3; ++c) mean[c] += static_cast<double>(points(i, c)) / n;
+  }
+  return mean;
+}
+
+template <typename T>
+double largest_offset(const PointSpan<T>& points, const std::array<double, 3>& origin) {
+  double largest = 0.0;
+  for (std::size_t i = 0; i < points.size; ++i) {
+    for (std::size_t c = 0; c < 3; ++c) {
+      largest = std::max(largest, std::abs(static_cast<double>(points(i, c)) - origin[c]));
+    }
+  }
+  return largest;
+}
+
+/// Power of two that brings `largest` into [0.5, 1).
+double working_scale(double largest) {
+  if (!std::isfinite(largest)) throw std::invalid_argument("the extent of the points is beyond double precision");
+  if (largest == 0.0) return 1.0;
+  constexpr int kSmallestExponent = -1000;  // keeps the scale itself finite
+  return std::ldexp(1.0, -std::max(std::ilogb(largest) + 1, kSmallestExponent));
+}
+
+}  // namespace
+
+void Correspondences::AlignedDelete::operator()(float* p) const noexcept { ::operator delete[](p, kAlignment); }
+
+void Correspondences::allocate(std::size_t size) {
+  size_ = size;
+  padded_ = (size + kBlock - 1) / kBlock * kBlock;
+  if (padded_ > capacity_) {
+    data_.reset(static_cast<float*>(::operator new[](6 * padded_ * sizeof(float), kAlignment)));
+    capacity_ = padded_;
+  }
+  for (std::size_t row = 0; row < 6; ++row) {
+    std::fill(data_.get() + row * padded_ + size_, data_.get() + (row + 1) * padded_, kPadding);
+  }
+}
+
+template <typename T>
+void Correspondences::assign(PointSpan<T> source, PointSpan<T> target) {
+  if (source.size != target.size) {
+    throw std::invalid_argument("correspondences need as many source as target points, got " +
+                                std::to_string(source.size) + " and " + std::to_string(target.size));
+  }
+  require_finite(source, "source");
+  require_finite(target, "target");
+  source_centroid_ = centroid(source);
+  target_centroid_ = centroid(target);
+  scale_ = working_scale(std::max(largest_offset(source, source_centroid_), largest_offset(target, target_centroid_)));
+
+  allocate(source.size);
+  for (std::size_t c = 0; c < 3; ++c) {
+    float* p = data_.get() + c * padded_;
+    float* q = data_.get() + (3 + c) * padded_;
+    for (std::size_t i = 0; i < size_; ++i) {
+      p[i] = static_cast<float>((static_cast<double>(source(i, c)) - source_centroid_[c]) * scale_);
+      q[i] = static_cast<float>((static_cast<double>(target(i, c)) - target_centroid_[c]) * scale_);
+    }
+  }
+}
+
+Correspondences::Correspondences(PointSpan<double> source, PointSpan<double> target) { assign(source, target); }
+Correspondences::Correspondences(PointSpan<float> source, PointSpan<float> target) { assign(source, target); }
+
+Correspondences Correspondences::subset(std::span<const std::uint32_t> rows) const {
+  Correspondences chosen;
+  chosen.assign_subset(*this, rows);
+  return chosen;
+}
+
+void Correspondences::assign_subset(const Correspondences& parent, std::span<const std::uint32_t> rows) {
+  for (const std::uint32_t row : rows) {
+    if (row >= parent.size_) {
+      throw std::out_of_range("row " + std::to_string(row) + " of " + std::to_string(parent.size_) +
+                              " correspondences");
+    }
+  }
+  scale_ = parent.scale_;
+  source_centroid_ = parent.source_centroid_;
+  target_centroid_ = parent.target_centroid_;
+  allocate(rows.size());
+  for (std::size_t c = 0; c < 6; ++c) {
+    const float* from = parent.data_.get() + c * parent.padded_;
+    std::transform(rows.begin(), rows.end(), data_.get() + c * padded_,
+                   [from](std::uint32_t row) { return from[row]; });
+  }
+}
+
+}  // namespace consimd

@@ -1,0 +1,36 @@
+#include "kernel_arguments.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <stdexcept>
+#include <string>
+
+namespace consimd::detail {
+
+RawView raw_view(const CorrespondenceView& view) noexcept {
+  return {{view.source(0), view.source(1), view.source(2)},
+          {view.target(0), view.target(1), view.target(2)},
+          view.size(),
+          view.padded_size()};
+}
+
+float working_length(const CorrespondenceView& view, double length, std::string_view name) {
+  if (!std::isfinite(length) || length <= 0.0) {
+    throw std::invalid_argument(std::string(name) + " is " + std::to_string(length) +
+                                ", expected a finite length above 0");
+  }
+  return static_cast<float>(std::clamp(length * view.scale(), 1e-9, 16.0));
+}
+
+void require_size(std::string_view name, std::size_t got, std::size_t expected) {
+  if (got == expected) return;
+  throw std::invalid_argument(std::string(name) + " has " + std::to_string(got) + " elements, expected " +
+                              std::to_string(expected));
+}
+
+void require_index(std::uint32_t index, std::size_t size) {
+  if (index < size) return;
+  throw std::out_of_range("index " + std::to_string(index) + " of " + std::to_string(size) + " correspondences");
+}
+
+}  // namespace consimd::detail

@@ -1,0 +1,28 @@
+// Checks and conversions between the public functions and the kernel tables.
+#pragma once
+
+#include <consimd/kernels/correspondences.hpp>
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <string_view>
+
+#include "kernel_table.hpp"
+
+namespace consimd::detail {
+
+RawView raw_view(const CorrespondenceView& view) noexcept;
+
+/// `length` of the caller's unit in the working frame. Throws std::invalid_argument unless it is finite and > 0.
+/// Kept within [1e-9, 16]: below, it is finer than single precision resolves; above, it exceeds every distance; and its
+/// fourth power stays a normal number in between.
+float working_length(const CorrespondenceView& view, double length, std::string_view name);
+
+/// Throws std::invalid_argument unless got == expected.
+void require_size(std::string_view name, std::size_t got, std::size_t expected);
+
+/// Throws std::out_of_range unless index < size.
+void require_index(std::uint32_t index, std::size_t size);
+
+}  // namespace consimd::detail

@@ -1,0 +1,29 @@
+#pragma once
+
+#include "kernel_table.hpp"
+#include "simd.hpp"
+
+namespace consimd::detail {
+
+template <typename Arch>
+struct LengthTest {
+  LengthTest(const RawView& view, std::uint32_t seed, float bound)
+      : p(broadcast<Arch>(view.source, seed)),
+        q(broadcast<Arch>(view.target, seed)),
+        twice_squared(2.0f * (bound * bound)),
+        floor((bound * bound) * (bound * bound)) {}
+
+  Mask<Arch> operator()(const Vec3<Arch>& source, const Vec3<Arch>& target) const {
+    const Vec3<Arch> dp = p - source;
+    const Vec3<Arch> dq = q - target;
+    const Batch<Arch> a = dot(dp, dp);
+    const Batch<Arch> b = dot(dq, dq);
+    const Batch<Arch> difference = a - b;
+    return difference * difference < larger(twice_squared * (a + b) - floor, floor);
+  }
+
+  Vec3<Arch> p, q;
+  Batch<Arch> twice_squared, floor;
+};
+
+}  // namespace consimd::detail

@@ -1,0 +1,61 @@
+// What every solver returns.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include <consimd/kernels/isa.hpp>
+#include <consimd/kernels/rigid_fit.hpp>
+
+namespace consimd {
+
+/// Why a solver stopped.
+enum class Status : std::uint8_t {
+  success,                  ///< a pose with significant support
+  too_few_correspondences,  ///< fewer than three
+  no_consensus,             ///< no pose has more support than chance gives
+  degenerate_geometry,      ///< the supporters do not determine a pose: coincident, or on a line
+  budget_exhausted,         ///< the iteration budget ended before the wanted confidence; the best pose so far is given
+};
+
+/// "success", "too_few_correspondences", ...
+[[nodiscard]] std::string_view to_string(Status status) noexcept;
+
+/// One stage of a solver.
+struct StageReport {
+  std::string name;
+  std::size_t input = 0;         ///< correspondences given to the stage
+  std::size_t output = 0;        ///< correspondences it kept
+  std::uint64_t iterations = 0;  ///< hypotheses drawn, or rounds
+  double seconds = 0.0;
+};
+
+struct Registration {
+  Status status = Status::no_consensus;
+  /// Maps source points to the target frame, in the caller's units. The identity unless status is success or
+  /// budget_exhausted.
+  RigidTransform T_target_source = RigidTransform::Identity();
+  /// Rows within `noise_bound` of the pose, ascending. Empty when there is no pose.
+  std::vector<std::uint32_t> inliers;
+  /// log10 of the number of equally supported poses expected by chance (see significance.hpp); 0 when no pose was
+  /// found. Success needs it below the solver's limit.
+  double log10_false_poses = 0.0;
+  std::vector<StageReport> stages;
+  double seconds = 0.0;  ///< wall time of the whole registration
+
+  // What was used.
+  std::uint64_t seed = 0;
+  Isa isa = Isa::scalar;
+  int threads = 1;                 ///< concurrency of the caller's arena
+  double noise_bound = 0.0;        ///< tau, caller's unit
+  double consistency_bound = 0.0;  ///< bound on pairwise length differences, 2 tau
+
+  [[nodiscard]] bool has_pose() const noexcept {
+    return status == Status::success || status == Status::budget_exhausted;
+  }
+};
+
+}  // namespace consimd

@@ -1,0 +1,39 @@
+// TCF, two-stage consensus filtering: one-point, two-point and three-point RANSAC, then a robust fit.
+// P. Shi et al., "RANSAC Back to SOTA: A Two-stage Consensus Filtering for Real-time 3D Registration", RA-L 2024.
+#pragma once
+
+#include <consimd/kernels/correspondences.hpp>
+#include <consimd/solvers/registration.hpp>
+
+namespace consimd {
+
+struct TcfOptions {
+  /// tau: the largest residual of an inlier, caller's unit; finite and > 0. 3 sigma per axis is the usual choice.
+  double noise_bound = 0.0;
+  std::uint64_t seed = 1;
+  /// Probability that a seed of the pose with the largest support has been drawn when the search stops.
+  double confidence = 0.99;
+  /// Seeds drawn at most; when they end before the confidence is reached the status is budget_exhausted.
+  std::uint32_t max_seeds = 10'000;
+  /// Memory for the pairwise consistency matrix of all correspondences. It is built where the consensus sets are dense
+  /// and it fits; elsewhere the matrices of the sets themselves are.
+  std::size_t matrix_budget_bytes = std::size_t{64} << 20;
+  /// Algorithms 1 to 4 of the paper to the letter instead, for comparison; see `as_published`.
+  bool published = false;
+
+  /// The paper's algorithms with its constants: no pruning, Eq. (alpha-angle) as printed, IRLS stop in metres on the
+  /// last consensus set alone. It needs clouds that are hardly rotated against each other, and fails where outliers
+  /// exceed about 95 %.
+  [[nodiscard]] static TcfOptions as_published(double noise_bound, std::uint64_t seed = 1);
+};
+
+/// Registers with TCF. Parallel over hypotheses in the caller's oneTBB arena; the result has the same bits for any
+/// number of threads and every ISA.
+///
+/// The default differs from the paper where practice needs it: each one-point hypothesis is pruned to the members that
+/// agree pairwise; not one but every promising set goes to the three-point stage; its poses are ranked by their support
+/// among all correspondences; and the final fit re-selects inliers from all correspondences with the weights of a
+/// Gaussian-plus-uniform mixture. Throws std::invalid_argument on a bad option.
+[[nodiscard]] Registration register_tcf(const Correspondences& correspondences, const TcfOptions& options);
+
+}  // namespace consimd

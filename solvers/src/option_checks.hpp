@@ -1,0 +1,26 @@
+// Validation of options at a solver's door.
+#pragma once
+
+#include <cmath>
+#include <sstream>
+#include <stdexcept>
+#include <string_view>
+
+namespace consimd::detail {
+
+template <typename T>
+[[noreturn]] void reject_option(std::string_view name, T value, std::string_view expected) {
+  std::ostringstream message;
+  message << name << " is " << value << ", expected " << expected;
+  throw std::invalid_argument(message.str());
+}
+
+inline void require_length(std::string_view name, double value) {
+  if (!(value > 0.0) || !std::isfinite(value)) reject_option(name, value, "a finite length above 0");
+}
+
+inline void require_confidence(double value) {
+  if (!(value > 0.0 && value < 1.0)) reject_option("confidence", value, "a probability between 0 and 1, both excluded");
+}
+
+}  // namespace consimd::detail

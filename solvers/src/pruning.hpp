@@ -1,0 +1,46 @@
+// Reduction of a consensus set to the members that agree with one another.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include <consimd/kernels/consistency_matrix.hpp>
+#include <consimd/kernels/correspondences.hpp>
+
+namespace consimd::detail {
+
+/// Appends the positions of the ones of `bits` to `rows` (cleared first), ascending.
+void members_of(std::span<const std::uint64_t> bits, std::vector<std::uint32_t>& rows);
+
+/// Scratch of `prune`, kept between calls.
+struct PruneScratch {
+  std::vector<std::uint64_t> set;
+  std::vector<std::uint32_t> degrees;
+  std::vector<std::uint32_t> histogram;
+};
+
+/// Shrinks `members` (rows of `matrix`, ascending) in rounds: with E the number of consistent ordered pairs within the
+/// set, self pairs counted, only the m = ceil(sqrt(E)) members of highest degree within the set stay (ties: the lower
+/// row), until a round drops fewer than five or 50 rounds are done. m bounds the size of any clique in the set, so the
+/// loop ends early, returning m, once m < `give_up_below`. Returns the final size, the score of the hypothesis that
+/// gave the set.
+std::uint32_t prune(const ConsistencyMatrix& matrix, std::vector<std::uint32_t>& members, std::uint32_t give_up_below,
+                    PruneScratch& scratch);
+
+/// Prunes sets given as rows of a `Correspondences`, by the consistency matrix of each set alone. Holds the memory that
+/// takes.
+class SetPruner {
+ public:
+  /// As `prune` above for `set`, rows of `correspondences`; a set that is given up is cleared.
+  void prune(const Correspondences& correspondences, std::vector<std::uint32_t>& set, double consistency_bound,
+             std::uint32_t give_up_below);
+
+ private:
+  PruneScratch scratch_;
+  Correspondences subset_;
+  ConsistencyMatrix matrix_;
+  std::vector<std::uint32_t> local_;
+};
+
+}  // namespace consimd::detail

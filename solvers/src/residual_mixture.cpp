@@ -1,0 +1,81 @@
+#include "residual_mixture.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+namespace consimd::detail {
+namespace {
+
+// Gain in log-likelihood that a heavier tail must bring, so that chance does not make a Gaussian one heavy.
+constexpr double kMargin = 2.0;
+// Least scale, as a share of the cutoff. A few chance coincidences of small residual must not pass for the whole noise.
+constexpr double kLeastScale = 1.0 / 12.0;
+
+// K of ResidualMixture.
+double normalisation(std::uint32_t exponent) {
+  const auto e = static_cast<double>(exponent);
+  return std::tgamma(e) / (std::tgamma(e - 1.5) * std::pow(2.0 * std::numbers::pi * e, 1.5));
+}
+
+double power(double y, std::uint32_t exponent) {
+  for (; exponent > 1; exponent /= 2) y *= y;
+  return y;
+}
+
+double ball(double radius) { return 4.0 / 3.0 * std::numbers::pi * radius * radius * radius; }
+
+}  // namespace
+
+double ResidualMixture::odds() const {
+  return outlier_density * scale * scale * scale / (normalisation(exponent) * inliers);
+}
+
+ResidualMixture fit_mixture(const ResidualHistogram& histogram, std::uint32_t exponent, double scale, int rounds) {
+  std::array<double, kResidualBins> volume{};
+  std::array<double, kResidualBins> squared{};  // mean of the squared bounds of a bin
+  double total = 0.0;
+  for (std::size_t b = 0; b < kResidualBins; ++b) {
+    const double inner = histogram.cutoff * static_cast<double>(b) / kResidualBins;
+    const double outer = histogram.cutoff * static_cast<double>(b + 1) / kResidualBins;
+    volume[b] = ball(outer) - ball(inner);
+    squared[b] = (inner * inner + inner * outer + outer * outer) / 3.0;
+    total += histogram.counts[b];
+  }
+  const double k = normalisation(exponent);
+  ResidualMixture mixture{exponent, scale, 0.5 * total, 0.5 * total / ball(histogram.cutoff), 0.0};
+  for (int round = 0; round <= rounds; ++round) {
+    const double peak = mixture.inliers * k / (mixture.scale * mixture.scale * mixture.scale);
+    const double curvature = 1.0 / (2.0 * exponent * mixture.scale * mixture.scale);
+    const bool last = round == rounds;
+    double inliers = 0.0;
+    double spread = 0.0;
+    double outliers = 0.0;
+    for (std::size_t b = 0; b < kResidualBins; ++b) {
+      const double y = 1.0 + squared[b] * curvature;
+      const double inlier_density = peak / power(y, exponent);
+      const double density = inlier_density + mixture.outlier_density;
+      const double weight = histogram.counts[b] * inlier_density / density;
+      inliers += weight;
+      spread += weight * squared[b] / y;
+      outliers += histogram.counts[b] - weight;
+      if (last) mixture.log_likelihood += histogram.counts[b] * std::log(density * volume[b]) - density * volume[b];
+    }
+    if (last) break;
+    mixture.inliers = std::max(inliers, 1.0);
+    mixture.outlier_density = (outliers + 0.5) / ball(histogram.cutoff);
+    mixture.scale = std::max(std::sqrt(spread / (3.0 * mixture.inliers)), kLeastScale * histogram.cutoff);
+  }
+  return mixture;
+}
+
+ResidualMixture choose_mixture(const ResidualHistogram& histogram, double scale, int rounds) {
+  ResidualMixture best = fit_mixture(histogram, 64, scale, rounds);
+  for (const std::uint32_t exponent : {8U, 4U, 2U}) {
+    const ResidualMixture mixture = fit_mixture(histogram, exponent, scale, rounds);
+    if (mixture.log_likelihood > best.log_likelihood + kMargin) best = mixture;
+  }
+  return best;
+}
+
+}  // namespace consimd::detail

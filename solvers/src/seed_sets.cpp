@@ -1,0 +1,155 @@
+#include "seed_sets.hpp"
+
+#include <oneapi/tbb/parallel_for.h>
+
+#include <algorithm>
+#include <numeric>
+
+#include <consimd/kernels/length_consistency.hpp>
+
+#include "counter_random.hpp"
+#include "stage_clock.hpp"
+
+namespace consimd::detail {
+namespace {
+
+// Share of all pairs that are consistent from which the matrix of all correspondences beats one matrix per set.
+constexpr double kDense = 0.12;
+// Largest set whose own matrix is built; larger ones are thinned evenly.
+constexpr std::size_t kLargestSet = 384;
+// A set is sampled with this many members, of which this many are tried as the second point.
+constexpr std::size_t kSample = kBlock;
+constexpr std::size_t kPartners = 16;
+// Estimates scatter: sets down to this share of the best estimate, or of the support to beat, are kept.
+constexpr float kSlack = 0.5F;
+
+// Keeps `count` members at even distances.
+void thin(std::vector<std::uint32_t>& members, std::size_t count) {
+  const std::size_t size = members.size();
+  if (size <= count) return;
+  for (std::size_t i = 0; i < count; ++i) members[i] = members[i * size / count];
+  members.resize(count);
+}
+
+}  // namespace
+
+SeedSets::SeedSets(const Correspondences& correspondences, double consistency_bound, std::uint64_t seed,
+                   std::size_t matrix_budget_bytes)
+    : correspondences_(correspondences),
+      bound_(consistency_bound),
+      seed_(seed),
+      matrix_budget_bytes_(matrix_budget_bytes),
+      order_(correspondences.size()) {
+  std::iota(order_.begin(), order_.end(), 0U);
+}
+
+std::span<const std::uint64_t> SeedSets::row(std::uint32_t position) const {
+  if (matrix_.size() != 0) return matrix_.row(round_[position]);
+  const std::size_t words = correspondences_.view().words();
+  return std::span(bits_).subspan(position * words, words);
+}
+
+void SeedSets::draw(std::uint32_t count, bool dense_work) {
+  const StageClock clock(one_point_seconds_);
+  const CorrespondenceView view = correspondences_.view();
+  const auto size = static_cast<std::uint32_t>(order_.size());
+  for (std::uint32_t last = drawn_ + count; drawn_ < last; ++drawn_) {
+    CounterRandom random(seed_, RandomStage::permutation, drawn_);
+    std::swap(order_[drawn_], order_[drawn_ + random.below(size - drawn_)]);
+  }
+  if (matrix_.size() == 0 && dense_work && !counts_.empty()) {
+    const double ones = static_cast<double>(std::accumulate(counts_.begin(), counts_.end(), std::uint64_t{0}));
+    const bool dense = ones > kDense * static_cast<double>(counts_.size()) * size;
+    if (dense && ConsistencyMatrix::memory_bytes(size) <= matrix_budget_bytes_) matrix_.compute(view, bound_);
+  }
+
+  round_ = std::span(order_).subspan(drawn_ - count, count);
+  counts_.resize(count);
+  sets_.resize(std::max<std::size_t>(sets_.size(), count));
+  if (matrix_.size() != 0) {
+    for (std::uint32_t h = 0; h < count; ++h) counts_[h] = matrix_.degrees()[round_[h]];
+    return;
+  }
+  bits_.resize(count * view.words());
+  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, count, 8), [&](const tbb::blocked_range<std::size_t>& r) {
+    length_consistency_bits(view, round_.subspan(r.begin(), r.size()), bound_,
+                            std::span(bits_).subspan(r.begin() * view.words(), r.size() * view.words()),
+                            std::span(counts_).subspan(r.begin(), r.size()));
+  });
+}
+
+// Size of the largest clique through the seed, guessed from a sample of its set: the best partner's consensus within
+// it. A two-point hypothesis (seed, partner) drawn and scored at the price of a few hundred pairs.
+float SeedSets::clique_estimate(std::uint32_t position, Scratch& scratch) const {
+  members_of(row(position), scratch.members);
+  scratch.sampled = scratch.members;
+  std::erase(scratch.sampled, round_[position]);  // the seed agrees with all of its set and would tell nothing
+  thin(scratch.sampled, kSample);
+  scratch.sample.assign_subset(correspondences_, scratch.sampled);
+  const std::size_t sampled = scratch.sampled.size();
+  scratch.sampled.resize(std::min(sampled, kPartners));
+  for (std::size_t i = 0; i < scratch.sampled.size(); ++i) {
+    scratch.sampled[i] = static_cast<std::uint32_t>(i * sampled / scratch.sampled.size());
+  }
+  scratch.counts.resize(scratch.sampled.size());
+  length_consistency_counts(scratch.sample.view(), scratch.sampled, bound_, scratch.counts);
+  const std::uint32_t best = *std::max_element(scratch.counts.begin(), scratch.counts.end());
+  return static_cast<float>(best) * static_cast<float>(scratch.members.size()) / static_cast<float>(sampled);
+}
+
+std::span<const std::uint32_t> SeedSets::rank(std::uint32_t support_to_beat) {
+  const StageClock clock(two_point_seconds_);
+  const auto count = static_cast<std::uint32_t>(round_.size());
+  estimates_.assign(count, 0.0F);
+  const bool sample = matrix_.size() == 0;  // dense sets look alike in a sample
+  tbb::parallel_for(tbb::blocked_range<std::uint32_t>(0, count, 4), [&](const tbb::blocked_range<std::uint32_t>& r) {
+    Scratch& scratch = scratch_.local();
+    for (std::uint32_t h = r.begin(); h < r.end(); ++h) {
+      // Supporters of a pose within the noise bound are pairwise consistent: the set holds the clique or is too small
+      // for it.
+      if (counts_[h] < 3 || counts_[h] <= support_to_beat) continue;
+      estimates_[h] = sample ? clique_estimate(h, scratch) : static_cast<float>(counts_[h]);
+    }
+  });
+  largest_raw_set_ = std::max<std::size_t>(largest_raw_set_, *std::max_element(counts_.begin(), counts_.end()));
+  const float best = *std::max_element(estimates_.begin(), estimates_.end());
+  const float least = std::max({kSlack * best, kSlack * static_cast<float>(support_to_beat), 3.0F});
+  ranking_.clear();
+  for (std::uint32_t h = 0; h < count; ++h) {
+    if (estimates_[h] >= least) ranking_.push_back(h);
+  }
+  std::stable_sort(ranking_.begin(), ranking_.end(),
+                   [&](std::uint32_t a, std::uint32_t b) { return estimates_[a] > estimates_[b]; });
+  return ranking_;
+}
+
+std::span<const std::uint32_t> SeedSets::promising(std::span<const std::uint32_t> ranking,
+                                                   std::uint32_t support_to_beat) const {
+  const float least = kSlack * static_cast<float>(support_to_beat);
+  while (!ranking.empty() && (estimates_[ranking.back()] < least || counts_[ranking.back()] <= support_to_beat)) {
+    ranking = ranking.first(ranking.size() - 1);
+  }
+  return ranking;
+}
+
+void SeedSets::prune(std::span<const std::uint32_t> positions, std::uint32_t support_to_beat) {
+  const StageClock clock(two_point_seconds_);
+  const std::uint32_t wanted = std::max(support_to_beat + 1, 3U);
+  tbb::parallel_for(std::size_t{0}, positions.size(), [&](std::size_t i) {
+    Scratch& scratch = scratch_.local();
+    std::vector<std::uint32_t>& set = sets_[positions[i]];
+    members_of(row(positions[i]), set);
+    if (matrix_.size() != 0) {
+      if (detail::prune(matrix_, set, wanted, scratch.matrix_prune) < wanted) set.clear();
+      return;
+    }
+    const std::size_t size = set.size();
+    thin(set, kLargestSet);
+    // A thinned set holds its share of the clique, more or less.
+    const auto share =
+        static_cast<std::uint32_t>(kSlack * static_cast<float>(wanted * set.size()) / static_cast<float>(size));
+    scratch.set_pruner.prune(correspondences_, set, bound_, set.size() == size ? wanted : std::max(share, 3U));
+  });
+}
+
+}  // namespace consimd::detail

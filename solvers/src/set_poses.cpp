@@ -1,0 +1,77 @@
+#include "set_poses.hpp"
+
+#include <algorithm>
+#include <array>
+
+#include <consimd/kernels/alignment_residuals.hpp>
+#include <consimd/kernels/rigid_fit.hpp>
+#include <consimd/kernels/rigid_moments.hpp>
+#include <consimd/kernels/three_point_fit.hpp>
+
+#include "pruning.hpp"
+#include "sampling.hpp"
+
+namespace consimd::detail {
+namespace {
+
+// Bounds of the refits, in noise bounds: wide first, since the start may be off by more than the noise.
+constexpr std::array kLocalBounds{1.5, 1.25, 1.0, 1.0, 1.0};
+
+RigidFit truncated_fit(const CorrespondenceView& view, const WorkingPose& pose, double bound) {
+  return rigid_fit(robust_moments(view, pose, {WeightFunction::truncated, bound, bound, 0.0}));
+}
+
+}  // namespace
+
+PoseCandidate pose_of_set(const Correspondences& correspondences, const std::vector<std::uint32_t>& set,
+                          double noise_bound, std::uint64_t seed, std::uint64_t hypothesis, PoseScratch& scratch) {
+  scratch.subset.assign_subset(correspondences, set);
+  const CorrespondenceView subset = scratch.subset.view();
+  CounterRandom random(seed, RandomStage::three_point, hypothesis);
+  scratch.triples.resize(kTriplesPerSet);
+  for (IndexTriple& triple : scratch.triples) triple = draw_triple(random, static_cast<std::uint32_t>(set.size()));
+  scratch.poses.resize(kTriplesPerSet);
+  scratch.support.resize(kTriplesPerSet);
+  three_point_fits(subset, scratch.triples, scratch.poses);
+  alignment_scores(subset, scratch.poses, noise_bound, scratch.support);
+  const auto best = std::max_element(scratch.support.begin(), scratch.support.end(),
+                                     [](const PoseSupport& a, const PoseSupport& b) { return a.score < b.score; });
+
+  const WorkingPose minimal = scratch.poses[static_cast<std::size_t>(best - scratch.support.begin())];
+  std::array<WorkingPose, 2> poses{minimal, minimal};
+  for (int round = 0; round < 2; ++round) {
+    const RigidFit fit = truncated_fit(subset, poses[1], noise_bound);
+    if (!fit.determined()) break;
+    poses[1] = to_working_pose(fit.pose);
+  }
+  std::array<PoseSupport, 2> support{};
+  alignment_scores(correspondences.view(), poses, noise_bound, support);
+  return support[1].score > support[0].score ? PoseCandidate{poses[1], support[1]}
+                                             : PoseCandidate{poses[0], support[0]};
+}
+
+PoseCandidate locally_optimise(const Correspondences& correspondences, const PoseCandidate& start, double noise_bound) {
+  const CorrespondenceView view = correspondences.view();
+  PoseCandidate best = start;
+  PoseCandidate current = start;
+  for (const double bound : kLocalBounds) {
+    const RigidFit fit = truncated_fit(view, current.pose, bound * noise_bound);
+    if (!fit.determined()) break;
+    current.pose = to_working_pose(fit.pose);
+    alignment_scores(view, std::span(&current.pose, 1), noise_bound, std::span(&current.support, 1));
+    if (current.support.score > best.support.score) best = current;
+  }
+  return best;
+}
+
+std::vector<std::uint32_t> pose_inliers(const CorrespondenceView& view, const WorkingPose& pose, double noise_bound) {
+  std::vector<std::uint64_t> bits(view.words());
+  std::uint32_t count = 0;
+  alignment_bits(view, std::span(&pose, 1), noise_bound, bits, std::span(&count, 1));
+  std::vector<std::uint32_t> inliers;
+  inliers.reserve(count);
+  members_of(bits, inliers);
+  return inliers;
+}
+
+}  // namespace consimd::detail

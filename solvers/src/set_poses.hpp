@@ -1,0 +1,42 @@
+// Three-point part of the default TCF: poses of pruned consensus sets, and who supports a pose.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include <consimd/kernels/correspondences.hpp>
+#include <consimd/kernels/kernel_data.hpp>
+
+namespace consimd::detail {
+
+/// A pose and its support among all correspondences.
+struct PoseCandidate {
+  WorkingPose pose{};
+  PoseSupport support{};
+};
+
+/// Minimal fits drawn from each set.
+inline constexpr std::uint32_t kTriplesPerSet = 48;
+
+/// Scratch of `pose_of_set`, kept between calls.
+struct PoseScratch {
+  Correspondences subset;
+  std::vector<IndexTriple> triples;
+  std::vector<WorkingPose> poses;
+  std::vector<PoseSupport> support;
+};
+
+/// The best of `kTriplesPerSet` minimal fits to `set` (rows of `correspondences`, at least three) by their score within
+/// the set, and its refit to the members it aligns; whichever of the two has the better score among all
+/// correspondences. `hypothesis` keys the draws. Its support is zero when the set determines no pose.
+PoseCandidate pose_of_set(const Correspondences& correspondences, const std::vector<std::uint32_t>& set,
+                          double noise_bound, std::uint64_t seed, std::uint64_t hypothesis, PoseScratch& scratch);
+
+/// Refits `start` to the correspondences within a bound that shrinks to `noise_bound`, and returns the pose of best
+/// score met on the way.
+PoseCandidate locally_optimise(const Correspondences& correspondences, const PoseCandidate& start, double noise_bound);
+
+/// Rows within `noise_bound` of `pose`, ascending.
+std::vector<std::uint32_t> pose_inliers(const CorrespondenceView& view, const WorkingPose& pose, double noise_bound);
+
+}  // namespace consimd::detail

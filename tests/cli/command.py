@@ -1,0 +1,70 @@
+"""Running the consimd command in tests."""
+
+import os
+import pathlib
+import subprocess
+import sys
+import tempfile
+import unittest
+
+CONSIMD = os.environ["CONSIMD"]
+
+
+class CommandTest(unittest.TestCase):
+    """A test with a folder of its own, self.folder, in which commands run."""
+
+    def setUp(self):
+        temporary = tempfile.TemporaryDirectory()
+        self.addCleanup(temporary.cleanup)
+        self.folder = pathlib.Path(temporary.name)
+        # Figures take a second each and need matplotlib: tests draw with a script that only leaves a mark.
+        tools = tempfile.TemporaryDirectory()
+        self.addCleanup(tools.cleanup)
+        self.script = pathlib.Path(tools.name) / "plot.py"
+        self.script.write_text("import sys; open(sys.argv[1] + '/drawn', 'w')\n")
+        (self.script.parent / "matplotlib.py").touch()
+        self.environment = {
+            **{key: value for key, value in os.environ.items() if key != "CONSIMD_ISA"},
+            "CONSIMD_PYTHON": sys.executable,
+            "CONSIMD_PLOT_SCRIPT": str(self.script),
+            "PYTHONPATH": str(self.script.parent),
+        }
+
+    def start(self, *arguments, **environment):
+        return subprocess.Popen(
+            [CONSIMD, *map(str, arguments)],
+            cwd=self.folder,
+            env={**self.environment, **environment},
+            stdout=subprocess.PIPE,
+            stderr=subprocess.PIPE,
+            text=True,
+        )
+
+    def run_command(self, *arguments, code=0, **environment):
+        """Standard output of a command that must exit with `code`."""
+        process = self.start(*arguments, **environment)
+        out, err = process.communicate(timeout=300)
+        self.assertEqual(process.returncode, code, f"{arguments}: {out}{err}")
+        return out
+
+    def assert_error(self, *arguments, says, **environment):
+        """The command must exit with 2 and one line on stderr that holds `says`, and leave every file as it was."""
+        before = self.files()
+        process = self.start(*arguments, **environment)
+        out, err = process.communicate(timeout=300)
+        self.assertEqual((process.returncode, out), (2, ""), f"{arguments}: {out}{err}")
+        self.assertRegex(err, r"\Aconsimd: [^\n]+\n\Z", arguments)
+        self.assertIn(says, err)
+        self.assertEqual(self.files(), before, arguments)
+
+    def files(self):
+        return {path: path.is_file() and path.read_bytes() for path in self.folder.rglob("*")}
+
+    def write(self, name, text):
+        (self.folder / name).write_bytes(text if isinstance(text, bytes) else text.encode())
+        return name
+
+    def isas(self):
+        import json
+
+        return json.loads(self.run_command("info", "--json"))["isas"]

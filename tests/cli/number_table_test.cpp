@@ -1,0 +1,83 @@
+#include "number_table.hpp"
+
+#include <limits>
+#include <stdexcept>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "temporary_folder.hpp"
+
+namespace consimd::cli {
+namespace {
+
+using study::TemporaryFolder;
+using study::write_text;
+using testing::ElementsAre;
+using testing::EndsWith;
+using testing::ThrowsMessage;
+
+class NumberTableTest : public testing::Test {
+ protected:
+  std::vector<double> read(const std::string& text, std::size_t columns = 3) {
+    write_text(path_, text);
+    return read_number_table(path_, columns).values;
+  }
+  void expect_error(const std::string& text, const std::string& message) {
+    EXPECT_THAT([&] { (void)read(text); }, ThrowsMessage<std::runtime_error>(EndsWith("table.txt:" + message))) << text;
+  }
+
+  TemporaryFolder folder_;
+  std::filesystem::path path_ = folder_ / "table.txt";
+};
+
+TEST_F(NumberTableTest, ReadsBlanksAndCommas) {
+  EXPECT_THAT(read("1 2 3\n4,5,6\n 7 ,\t8 , 9 \n"), ElementsAre(1, 2, 3, 4, 5, 6, 7, 8, 9));
+}
+
+TEST_F(NumberTableTest, SkipsCommentsEmptyLinesCarriageReturnsAndByteOrderMark) {
+  EXPECT_THAT(read("\xEF\xBB\xBF# x y z\r\n\r\n1 2 3\r\n  \t\n4 5 6 # last\r\n#7 8 9"), ElementsAre(1, 2, 3, 4, 5, 6));
+  EXPECT_THAT(read("1 2 3"), ElementsAre(1, 2, 3));
+  EXPECT_THAT(read(""), ElementsAre());
+}
+
+TEST_F(NumberTableTest, ReadsEveryDouble) {
+  EXPECT_THAT(read("0.1 +2.5e+3 -1E-5\n.5 5. 5e-324\n1.7976931348623157e308 -0 0.30000000000000004"),
+              ElementsAre(0.1, 2500.0, -1e-5, 0.5, 5.0, 5e-324, std::numeric_limits<double>::max(), -0.0, 0.1 + 0.2));
+}
+
+TEST_F(NumberTableTest, CountsRows) {
+  write_text(path_, "1 2 3\n4 5 6\n");
+  EXPECT_EQ(read_number_table(path_, 3).rows(), 2u);
+}
+
+TEST_F(NumberTableTest, NamesTheLineOfAFault) {
+  expect_error("1 2 3\n# comment\n4 5\n", "3: expected 3 numbers, got 2");
+  expect_error("1 2 3 4\n", "1: expected 3 numbers, got 4");
+  expect_error("1 2 3\n1 x 3\n", "2: 'x' is not a number");
+  expect_error("1 2 3m\n", "1: '3m' is not a number");
+  expect_error("1 2 0x10\n", "1: '0x10' is not a number");
+  expect_error("1 2 +-3\n", "1: '+-3' is not a number");
+  expect_error("1 2 nan\n", "1: 'nan' is not finite");
+  expect_error("1 -inf 3\n", "1: '-inf' is not finite");
+  expect_error("1 2 1e999\n", "1: '1e999' is out of a double's range");
+  expect_error("1,,3\n", "1: nothing between two commas");
+  expect_error("1,2,3,\n", "1: nothing between two commas");
+  expect_error(",1,2,3\n", "1: nothing between two commas");
+  expect_error("1;2;3\n", "1: '1;2;3' is not a number");
+}
+
+TEST_F(NumberTableTest, ShowsBinaryDataInPrintableCharacters) {
+  expect_error(std::string("\x01\x80\x00z 2 3", 8), "1: '???z' is not a number");
+  expect_error(std::string(100, 'a'), "1: '" + std::string(40, 'a') + "...' is not a number");
+}
+
+TEST_F(NumberTableTest, NamesAMissingFileAndAFolder) {
+  EXPECT_THAT([&] { (void)read_number_table(folder_ / "none", 3); },
+              ThrowsMessage<std::runtime_error>(EndsWith("none: cannot read: No such file or directory")));
+  EXPECT_THAT([&] { (void)read_number_table(folder_ / "", 3); },
+              ThrowsMessage<std::runtime_error>(EndsWith(": is a folder, expected a file")));
+}
+
+}  // namespace
+}  // namespace consimd::cli

@@ -1,0 +1,167 @@
+"""consimd register."""
+
+import json
+import subprocess
+import unittest
+
+from command import CONSIMD, CommandTest
+
+
+def without_times(result):
+    """The JSON of a registration without what may differ between equal results."""
+    del result["isa"], result["threads"]
+    for run in result["runs"]:
+        del run["seconds"]
+        for stage in run["stages"]:
+            del stage["seconds"]
+    return json.dumps(result)
+
+
+class Register(CommandTest):
+    def problem(self):
+        self.run_command("generate", "--points", 400, "--outliers", 0.8, "--sigma", 0.1, "--out", "p")
+        return "p/correspondences.txt"
+
+    def json(self, *arguments, code=0, **environment):
+        return json.loads(self.run_command("register", *arguments, "--json", "-", code=code, **environment))
+
+    def test_json(self):
+        file = self.problem()
+        result = self.json(
+            file, "--noise-bound", 0.3, "--repeat", 3, "--seed", 7, "--threads", 2, "--truth", "p/pose.txt"
+        )
+        self.assertEqual(
+            list(result), ["file", "correspondences", "isa", "threads", "solver", "noise_bound", "runs"]
+        )
+        self.assertEqual((result["file"], result["correspondences"], result["threads"]), (file, 400, 2))
+        self.assertEqual((result["solver"], result["noise_bound"]), ("tcf", 0.3))
+        self.assertEqual([run["seed"] for run in result["runs"]], [7, 8, 9])
+        for run in result["runs"]:
+            self.assertEqual(
+                list(run),
+                ["seed", "status", "T_target_source", "inlier_count", "inliers", "seconds", "stages",
+                 "rotation_error_deg", "translation_error"],
+            )
+            self.assertEqual(run["status"], "success")
+            self.assertEqual([len(row) for row in run["T_target_source"]], [4] * 4)
+            self.assertEqual(run["T_target_source"][3], [0, 0, 0, 1])
+            self.assertEqual(run["inlier_count"], len(run["inliers"]))
+            self.assertEqual(run["inliers"], sorted(set(run["inliers"])))
+            self.assertLess(run["rotation_error_deg"], 0.1)
+            self.assertLess(run["translation_error"], 0.1)
+            for stage in run["stages"]:
+                self.assertEqual(list(stage), ["name", "input", "output", "iterations", "seconds"])
+
+    def test_no_errors_without_truth(self):
+        run = self.json(self.problem(), "--noise-bound", 0.3)["runs"][0]
+        self.assertNotIn("rotation_error_deg", run)
+        self.assertNotIn("translation_error", run)
+
+    def test_json_file_holds_what_stdout_shows(self):
+        file = self.problem()
+        self.assertEqual(self.run_command("register", file, "--noise-bound", 0.3, "--json", "r.json"), "")
+        written = json.loads((self.folder / "r.json").read_text())
+        self.assertEqual(without_times(written), without_times(self.json(file, "--noise-bound", 0.3)))
+        self.assertEqual({path.name for path in self.folder.iterdir()}, {"p", "r.json"})
+
+    def test_same_bytes_for_any_threads_and_isa(self):
+        arguments = [self.problem(), "--noise-bound", 0.3, "--repeat", 3, "--truth", "p/pose.txt"]
+        expected = without_times(self.json(*arguments))
+        for threads in (1, 2, 5):
+            result = self.json(*arguments, "--threads", threads)
+            self.assertEqual(result["threads"], threads)
+            self.assertEqual(without_times(result), expected, f"{threads} threads")
+        for isa in self.isas():
+            result = self.json(*arguments, CONSIMD_ISA=isa)
+            self.assertEqual(result["isa"], isa)
+            self.assertEqual(without_times(result), expected, isa)
+
+    def test_report(self):
+        file = self.problem()
+        single = self.run_command("register", file, "--noise-bound", 0.3, "--truth", "p/pose.txt")
+        for text in ["success (seed 1)", "T_target_source", " deg", " ms", "within 0.3", "stage"]:
+            self.assertIn(text, single)
+        several = self.run_command("register", file, "--noise-bound", 0.3, "--repeat", 4)
+        self.assertIn("4 (seeds 1 to 4), 4 with a pose", several)
+
+    def test_formats_of_the_same_file(self):
+        file = self.problem()
+        expected = self.json(file, "--noise-bound", 0.3)["runs"][0]["T_target_source"]
+        text = (self.folder / file).read_text()
+        for variant in (
+            text.replace(" ", ","),
+            text.replace("\n", "\r\n"),
+            "\n# head\n" + text.replace("\n", " # note\n"),
+            text.rstrip("\n"),
+        ):
+            run = self.json(self.write("variant.txt", variant), "--noise-bound", 0.3)["runs"][0]
+            self.assertEqual(run["T_target_source"], expected)
+
+    def test_no_pose_exits_with_1(self):
+        for rows in (["1 1 1 2 2 2"] * 50, [f"{k} {2 * k} 0 {k} 0 {2 * k}" for k in range(50)]):
+            file = self.write("degenerate.txt", "\n".join(rows))
+            result = self.json(file, "--noise-bound", 0.1, "--repeat", 2, code=1)
+            for run in result["runs"]:
+                self.assertEqual(run["status"], "degenerate_geometry")
+                self.assertEqual(run["T_target_source"], [[1, 0, 0, 0], [0, 1, 0, 0], [0, 0, 1, 0], [0, 0, 0, 1]])
+                self.assertEqual(run["inliers"], [])
+            command = ["register", file, "--noise-bound", 0.1]
+            self.assertIn("degenerate_geometry", self.run_command(*command, code=1))
+            self.assertIn("0 with a pose", self.run_command(*command, "--repeat", 2, code=1))
+
+    def test_bad_files(self):
+        good = "1 2 3 4 5 6\n" * 5
+        for text, says in (
+            ("", "expected at least 3 correspondences, got 0"),
+            ("# nothing\n\n", "got 0"),
+            ("1 2 3 4 5 6\n" * 2, "got 2"),
+            (good + "1 2 3 4 5\n", "bad.txt:6: expected 6 numbers, got 5"),
+            (good + "\n1 2 3 4 5 6 7\n", "bad.txt:7: expected 6 numbers, got 7"),
+            (good + "1 2 three 4 5 6\n" + good, "bad.txt:6: 'three' is not a number"),
+            (good + "1 2 nan 4 5 6\n", "bad.txt:6: 'nan' is not finite"),
+            (good + "1 2 3 4 inf 6\n", "bad.txt:6: 'inf' is not finite"),
+            (bytes(range(256)) * 4, "bad.txt:1:"),
+        ):
+            file = self.write("bad.txt", text)
+            self.assert_error("register", file, "--noise-bound", 1, "--json", "out.json", says=says)
+        self.assert_error("register", "none.txt", "--noise-bound", 1, says="none.txt: cannot read: No such file")
+        self.assert_error("register", ".", "--noise-bound", 1, says="is a folder")
+
+    def test_bad_options(self):
+        file = self.write("good.txt", "1 2 3 4 5 6\n" * 5)
+        self.assert_error("register", file, says="--noise-bound")
+        self.assert_error("register", "--noise-bound", 1, says="FILE")
+        for bound in ("0", "-1", "nan", "inf", "-inf", "x", "1m"):
+            self.assert_error("register", file, "--noise-bound", bound, says="--noise-bound")
+        unknown = "unknown solver 'magic'; known: tcf"
+        self.assert_error("register", file, "--noise-bound", 1, "--solver", "magic", says=unknown)
+        for option in ("--threads", "--repeat"):
+            for value in ("0", "-1", "x", "1.5", "99999999999"):
+                self.assert_error("register", file, "--noise-bound", 1, option, value, says=option)
+        self.assert_error("register", file, "--noise-bound", 1, "--seed", "-1", says="--seed")
+
+    def test_unwritable_json(self):
+        file = self.write("good.txt", "1 2 3 4 5 6\n" * 5)
+        for target in ("missing/out.json", "good.txt/out.json", "."):
+            self.assert_error("register", file, "--noise-bound", 1, "--json", target, says="cannot write")
+
+    def test_full_disk(self):
+        file = self.problem()
+        with open("/dev/full", "w") as full:
+            done = subprocess.run(
+                [CONSIMD, "register", file, "--noise-bound", "0.3", "--json", "-"],
+                cwd=self.folder, stdout=full, stderr=subprocess.PIPE, text=True,
+            )
+        self.assertEqual(done.returncode, 2)
+        self.assertRegex(done.stderr, r"\Aconsimd: cannot write[^\n]*\n\Z")
+
+    def test_bad_truth(self):
+        file = self.write("good.txt", "1 2 3 4 5 6\n" * 5)
+        for text in ("", "1 0 0 0\n", "2 0 0 0\n0 2 0 0\n0 0 2 0\n", "1 0 0 0\n0 1 0 0\n0 0 -1 0\n", "a b c d\n"):
+            self.write("pose.txt", text)
+            self.assert_error("register", file, "--noise-bound", 1, "--truth", "pose.txt", says="pose.txt:")
+        self.assert_error("register", file, "--noise-bound", 1, "--truth", "none", says="none: cannot read")
+
+
+if __name__ == "__main__":
+    unittest.main()

@@ -1,0 +1,109 @@
+#include <consimd/kernels/consistency_matrix.hpp>
+
+#include <bit>
+
+#include <consimd/kernels/length_consistency.hpp>
+
+#include "raw_cloud.hpp"
+
+namespace consimd::test {
+namespace {
+
+class Matrix : public PerIsa {};
+CONSIMD_FOR_EACH_ISA(Matrix);
+
+void expect_rows_of_length_bits(const RawCloud& cloud, const detail::KernelTable& table, float bound) {
+  ExactArray<std::uint64_t> bits(cloud.size() * cloud.words(), ~std::uint64_t{0});
+  ExactArray<std::uint32_t> degrees(cloud.size(), 0xffffffff);
+  table.consistency_matrix(cloud.view(), bound, bits.data(), degrees.data());
+
+  std::vector<std::uint32_t> seeds(cloud.size());
+  for (std::uint32_t i = 0; i < cloud.size(); ++i) seeds[i] = i;
+  ExactArray<std::uint64_t> rows(cloud.size() * cloud.words());
+  ExactArray<std::uint32_t> counts(cloud.size());
+  detail::table_of(Isa::scalar)
+      .length_bits(cloud.view(), seeds.data(), seeds.size(), bound, rows.data(), counts.data());
+  ASSERT_EQ(bits.values(), rows.values());
+  ASSERT_EQ(degrees.values(), counts.values());
+}
+
+TEST_P(Matrix, HasTheRowsOfLengthConsistency) {
+  for_every_cloud([&](RawCloud& cloud, float bound) { expect_rows_of_length_bits(cloud, table(), bound); });
+}
+
+TEST_P(Matrix, CrossesRunsOfTiles) { expect_rows_of_length_bits(RawCloud(1300, Kind::random, 1), table(), 0.1f); }
+
+TEST_P(Matrix, IsSymmetricWithItsDiagonalSet) {
+  set_active_isa(GetParam());
+  RawCloud cloud(333, Kind::random, 2);
+  std::vector<float> p, q;
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    p.insert(p.end(), cloud.view().source[axis], cloud.view().source[axis] + cloud.size());
+    q.insert(q.end(), cloud.view().target[axis], cloud.view().target[axis] + cloud.size());
+  }
+  const Correspondences c(PointSpan<float>::planar(p.data(), cloud.size()),
+                          PointSpan<float>::planar(q.data(), cloud.size()));
+  ConsistencyMatrix matrix;
+  matrix.compute(c, 0.1);
+  ASSERT_EQ(matrix.size(), 333u);
+  ASSERT_EQ(matrix.words(), 6u);
+  const auto bit = [&](std::size_t i, std::size_t j) { return (matrix.row(i)[j / 64] >> (j % 64) & 1) != 0; };
+  for (std::size_t i = 0; i < 333; ++i) {
+    EXPECT_TRUE(bit(i, i));
+    EXPECT_EQ(matrix.row(i)[5] >> (333 - 5 * 64), 0u);
+    EXPECT_EQ(popcount(matrix.row(i)), matrix.degrees()[i]);
+    for (std::size_t j = 0; j < i; ++j) ASSERT_EQ(bit(i, j), bit(j, i));
+  }
+
+  ConsistencyMatrix copy = matrix;
+  EXPECT_EQ(and_popcount(copy.row(7), matrix.row(7)), matrix.degrees()[7]);
+  matrix.compute(c.subset(std::vector<std::uint32_t>{1, 2}), 0.1);
+  EXPECT_EQ(matrix.size(), 2u);
+  matrix.compute(Correspondences(), 0.1);
+  EXPECT_EQ(matrix.size(), 0u);
+  EXPECT_EQ(ConsistencyMatrix::memory_bytes(3000), 3000u * 47 * 8);
+}
+
+TEST_P(Matrix, CountsCommonBits) {
+  std::mt19937 random(4);
+  for (std::size_t words = 0; words <= 600; words += words < 40 ? 1 : 37) {
+    ExactArray<std::uint64_t> set(words);
+    ExactArray<std::uint64_t> rows(5 * words);
+    const auto any_word = [&] {
+      return (std::uint64_t{random()} << 32 | random()) & (random() % 5 == 0 ? 0 : ~std::uint64_t{0});
+    };
+    for (std::size_t k = 0; k < words; ++k) set[k] = any_word();
+    for (std::size_t k = 0; k < 5 * words; ++k) rows[k] = random() % 7 == 0 ? ~std::uint64_t{0} : any_word();
+    const std::array<std::uint32_t, 4> chosen{4, 0, 2, 2};
+    ExactArray<std::uint32_t> counts(4);
+    table().and_popcount_rows(rows.data(), words, set.data(), chosen.data(), 4, counts.data());
+    for (std::size_t r = 0; r < 4; ++r) {
+      std::uint32_t expected = 0;
+      for (std::size_t k = 0; k < words; ++k) {
+        expected += static_cast<std::uint32_t>(std::popcount(set[k] & rows[chosen[r] * words + k]));
+      }
+      EXPECT_EQ(counts[r], expected);
+      EXPECT_EQ(table().and_popcount(set.data(), rows.data() + chosen[r] * words, words), expected);
+    }
+  }
+}
+
+TEST(MatrixArguments, AreChecked) {
+  const std::array<double, 6> points{0, 0, 0, 1, 0, 0};
+  const auto span = PointSpan<double>::interleaved(points.data(), 2);
+  ConsistencyMatrix matrix;
+  EXPECT_THROW(matrix.compute(Correspondences(span, span), 0.0), std::invalid_argument);
+  matrix.compute(Correspondences(span, span), 0.1);
+  std::vector<std::uint32_t> rows{0, 2};
+  std::vector<std::uint32_t> counts(2);
+  EXPECT_THROW(and_popcount_rows(matrix, matrix.row(0), rows, counts), std::out_of_range);
+  rows[1] = 1;
+  EXPECT_THROW(and_popcount_rows(matrix, {}, rows, counts), std::invalid_argument);
+  EXPECT_THROW(and_popcount_rows(matrix, matrix.row(0), rows, std::span(counts).first(1)), std::invalid_argument);
+  and_popcount_rows(matrix, matrix.row(0), rows, counts);
+  EXPECT_EQ(counts, (std::vector<std::uint32_t>{2, 2}));
+  EXPECT_THROW((void)and_popcount(matrix.row(0), {}), std::invalid_argument);
+}
+
+}  // namespace
+}  // namespace consimd::test

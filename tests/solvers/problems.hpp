@@ -1,0 +1,194 @@
+// Problems with a known truth, brute-force geometry in double, and what every registration must satisfy.
+#pragma once
+
+#include <consimd/kernels/isa.hpp>
+#include <consimd/solvers/registration.hpp>
+#include <consimd/synth/problem.hpp>
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <limits>
+#include <numeric>
+#include <random>
+#include <span>
+#include <sstream>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+namespace consimd::test {
+
+using synth::Problem;
+
+inline constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
+inline constexpr double kInfinity = std::numeric_limits<double>::infinity();
+inline constexpr std::array kBadLengths{0.0, -1.5, kNan, kInfinity, -kInfinity};
+inline constexpr std::array kBadConfidences{0.0, 1.0, -0.5, 1.5, kNan};
+
+inline Eigen::Vector3d source_point(const Problem& problem, std::size_t k) {
+  return Eigen::Vector3d(&problem.source[3 * k]);
+}
+inline Eigen::Vector3d target_point(const Problem& problem, std::size_t k) {
+  return Eigen::Vector3d(&problem.target[3 * k]);
+}
+
+inline double residual(const Problem& problem, const RigidTransform& T_target_source, std::size_t k) {
+  return (T_target_source * source_point(problem, k) - target_point(problem, k)).norm();
+}
+
+/// | |p_j - p_k| - |q_j - q_k| |
+inline double length_difference(const Problem& problem, std::size_t j, std::size_t k) {
+  return std::abs((source_point(problem, j) - source_point(problem, k)).norm() -
+                  (target_point(problem, j) - target_point(problem, k)).norm());
+}
+
+/// What single precision may make of a length in the frame of these correspondences, caller's unit.
+inline double rounding(const Correspondences& correspondences) { return 1e-6 / correspondences.scale(); }
+
+inline std::vector<std::uint32_t> all_rows(const Problem& problem) {
+  std::vector<std::uint32_t> rows(problem.size());
+  std::iota(rows.begin(), rows.end(), 0U);
+  return rows;
+}
+
+inline std::vector<std::uint32_t> true_inliers(const Problem& problem) {
+  std::vector<std::uint32_t> rows = all_rows(problem);
+  std::erase_if(rows, [&](std::uint32_t k) { return problem.is_inlier[k] == 0; });
+  return rows;
+}
+
+/// 0 .. size - 1 in an order that is the same on every platform.
+inline std::vector<std::uint32_t> random_order(std::size_t size, std::uint32_t seed) {
+  std::vector<std::uint32_t> order(size);
+  std::iota(order.begin(), order.end(), 0U);
+  std::mt19937 random(seed);
+  for (std::size_t i = size; i > 1; --i) std::swap(order[i - 1], order[random() % i]);
+  return order;
+}
+
+/// Row k of the result is row rows[k] of `problem`.
+inline Problem chosen_rows(const Problem& problem, std::span<const std::uint32_t> rows) {
+  Problem chosen;
+  chosen.T_target_source = problem.T_target_source;
+  chosen.sigma = problem.sigma;
+  for (const std::size_t k : rows) {
+    chosen.source.insert(chosen.source.end(), &problem.source[3 * k], &problem.source[3 * k] + 3);
+    chosen.target.insert(chosen.target.end(), &problem.target[3 * k], &problem.target[3 * k] + 3);
+    chosen.is_inlier.push_back(problem.is_inlier[k]);
+  }
+  return chosen;
+}
+
+/// The target cloud moved by `motion`, and the truth with it.
+inline Problem with_moved_target(Problem problem, const RigidTransform& motion) {
+  for (std::size_t k = 0; k < problem.size(); ++k) {
+    Eigen::Map<Eigen::Vector3d>(&problem.target[3 * k]) = motion * target_point(problem, k);
+  }
+  problem.T_target_source = motion * problem.T_target_source;
+  return problem;
+}
+
+/// The problem in another unit, `factor` of them to one of the old.
+inline Problem in_units(Problem problem, double factor) {
+  for (double& x : problem.source) x *= factor;
+  for (double& x : problem.target) x *= factor;
+  problem.T_target_source.translation() *= factor;
+  problem.sigma *= factor;
+  return problem;
+}
+
+inline RigidTransform motion(double angle_rad, const Eigen::Vector3d& axis, const Eigen::Vector3d& translation) {
+  RigidTransform T = RigidTransform::Identity();
+  T.linear() = Eigen::AngleAxisd(angle_rad, axis.normalized()).toRotationMatrix();
+  T.translation() = translation;
+  return T;
+}
+
+inline RigidTransform random_motion(std::mt19937& random) {
+  const auto uniform = [&] { return static_cast<double>(static_cast<std::int32_t>(random())) * 0x1p-31; };
+  const Eigen::Vector3d axis(uniform(), uniform(), uniform());
+  const double angle = 3.1 * uniform();
+  return motion(angle, axis, 100.0 * Eigen::Vector3d(uniform(), uniform(), uniform()));
+}
+
+/// `points` under `truth` without noise, all of them inliers.
+inline Problem perfect_problem(std::span<const Eigen::Vector3d> points, const RigidTransform& truth) {
+  Problem problem;
+  problem.T_target_source = truth;
+  for (const Eigen::Vector3d& p : points) {
+    const Eigen::Vector3d q = truth * p;
+    problem.source.insert(problem.source.end(), p.data(), p.data() + 3);
+    problem.target.insert(problem.target.end(), q.data(), q.data() + 3);
+    problem.is_inlier.push_back(1);
+  }
+  return problem;
+}
+
+inline void expect_proper_rotation(const RigidTransform& T) {
+  ASSERT_TRUE(T.matrix().allFinite()) << T.matrix();
+  EXPECT_LT((T.linear().transpose() * T.linear() - Eigen::Matrix3d::Identity()).norm(), 1e-9) << T.matrix();
+  EXPECT_NEAR(T.linear().determinant(), 1.0, 1e-9) << T.matrix();
+}
+
+/// `rows` are strictly ascending and exactly those within `bound` of the pose; single precision decides on the border.
+inline void expect_rows_within(std::span<const std::uint32_t> rows, const Problem& problem, const RigidTransform& T,
+                               double bound) {
+  const double border = rounding(problem.correspondences());
+  EXPECT_TRUE(std::ranges::is_sorted(rows, std::ranges::less_equal{}));
+  for (std::uint32_t k = 0; k < problem.size(); ++k) {
+    const double r = residual(problem, T, k);
+    if (std::abs(r - bound) <= border) continue;
+    EXPECT_EQ(std::ranges::binary_search(rows, k), r < bound) << "row " << k << " with residual " << r;
+  }
+}
+
+/// What holds for every registration, whatever the data.
+inline void expect_sound(const Registration& result, const Problem& problem, double noise_bound) {
+  SCOPED_TRACE(::testing::Message() << "status " << to_string(result.status));
+  expect_proper_rotation(result.T_target_source);
+  EXPECT_EQ(result.T_target_source.matrix().row(3), Eigen::RowVector4d(0.0, 0.0, 0.0, 1.0));
+  if (result.has_pose()) {
+    EXPECT_GE(result.inliers.size(), 3u);
+    expect_rows_within(result.inliers, problem, result.T_target_source, noise_bound);
+  } else {
+    EXPECT_EQ(result.T_target_source.matrix(), Eigen::Matrix4d::Identity());
+    EXPECT_TRUE(result.inliers.empty());
+  }
+  EXPECT_EQ(result.noise_bound, noise_bound);
+  EXPECT_EQ(result.consistency_bound, 2.0 * noise_bound);
+  EXPECT_EQ(result.isa, active_isa());
+  EXPECT_GE(result.threads, 1);
+  EXPECT_GE(result.seconds, 0.0);
+  EXPECT_EQ(result.stages.empty(), result.status == Status::too_few_correspondences);
+  double seconds = 0.0;
+  for (const StageReport& stage : result.stages) {
+    EXPECT_FALSE(stage.name.empty());
+    EXPECT_LE(stage.input, problem.size()) << stage.name;
+    EXPECT_LE(stage.output, problem.size()) << stage.name;
+    EXPECT_GE(stage.seconds, 0.0) << stage.name;
+    seconds += stage.seconds;
+  }
+  EXPECT_LE(seconds, result.seconds);
+}
+
+/// `call` must throw std::invalid_argument that names the option and its value.
+template <typename Call>
+void expect_rejected(Call call, const std::string& option, double value) {
+  std::ostringstream text;
+  text << value;
+  try {
+    call();
+  } catch (const std::invalid_argument& error) {
+    EXPECT_NE(std::string(error.what()).find(option), std::string::npos) << error.what();
+    EXPECT_NE(std::string(error.what()).find(text.str()), std::string::npos) << error.what();
+    return;
+  }
+  ADD_FAILURE() << option << " = " << value << " was accepted";
+}
+
+}  // namespace consimd::test

@@ -1,0 +1,72 @@
+// Real pairs: correspondences/<case>/{correspondences.txt, pose.txt, case.json} in the folder CONSIMD_TEST_DATA.
+#include <consimd/solvers/tcf.hpp>
+#include <consimd/synth/metrics.hpp>
+
+#include <nlohmann/json.hpp>
+
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <vector>
+
+#include "problems.hpp"
+
+namespace consimd::test {
+namespace {
+
+std::vector<double> numbers_in(const std::filesystem::path& file) {
+  std::ifstream in(file);
+  return {std::istream_iterator<double>(in), std::istream_iterator<double>()};
+}
+
+Problem read_pair(const std::filesystem::path& folder) {
+  Problem problem;
+  const std::vector<double> rows = numbers_in(folder / "correspondences.txt");
+  for (std::size_t i = 0; i + 6 <= rows.size(); i += 6) {
+    problem.source.insert(problem.source.end(), &rows[i], &rows[i] + 3);
+    problem.target.insert(problem.target.end(), &rows[i] + 3, &rows[i] + 6);
+    problem.is_inlier.push_back(0);
+  }
+  const std::vector<double> pose = numbers_in(folder / "pose.txt");
+  if (pose.size() >= 12) {
+    problem.T_target_source.matrix().topRows<3>() =
+        Eigen::Map<const Eigen::Matrix<double, 3, 4, Eigen::RowMajor>>(pose.data());
+  }
+  return problem;
+}
+
+TEST(RealPairs, EveryPairIsRegisteredWithinItsLimits) {
+  const char* data = std::getenv("CONSIMD_TEST_DATA");
+  if (data == nullptr) GTEST_SKIP() << "set CONSIMD_TEST_DATA to the folder with correspondences/<case>/";
+  std::vector<std::filesystem::path> folders;
+  for (const auto& entry : std::filesystem::directory_iterator(std::filesystem::path(data) / "correspondences")) {
+    if (entry.is_directory()) folders.push_back(entry.path());
+  }
+  std::ranges::sort(folders);
+  ASSERT_FALSE(folders.empty());
+  for (const std::filesystem::path& folder : folders) {
+    SCOPED_TRACE(folder.filename().string());
+    std::ifstream file(folder / "case.json");
+    const nlohmann::json limits = nlohmann::json::parse(file);
+    const Problem problem = read_pair(folder);
+    ASSERT_EQ(problem.size(), limits.at("correspondences").get<std::size_t>());
+    const Correspondences correspondences = problem.correspondences();
+    for (std::uint64_t seed = 1; seed <= 5; ++seed) {
+      SCOPED_TRACE(::testing::Message() << "seed " << seed);
+      TcfOptions options;
+      options.noise_bound = limits.at("noise_bound").get<double>();
+      options.seed = seed;
+      const Registration result = register_tcf(correspondences, options);
+      expect_sound(result, problem, options.noise_bound);
+      EXPECT_EQ(result.status, Status::success);
+      EXPECT_LT(synth::rotation_error_deg(result.T_target_source, problem.T_target_source),
+                limits.at("max_rotation_error_deg").get<double>());
+      EXPECT_LT(synth::translation_error(result.T_target_source, problem.T_target_source),
+                limits.at("max_translation_error_m").get<double>());
+    }
+  }
+}
+
+}  // namespace
+}  // namespace consimd::test

@@ -1,0 +1,85 @@
+#include <consimd/solvers/solver.hpp>
+
+#include <consimd/solvers/tcf.hpp>
+#include <consimd/synth/noise_study.hpp>
+
+#include <functional>
+#include <set>
+#include <string>
+
+#include "problems.hpp"
+
+namespace consimd::test {
+namespace {
+
+Problem easy_problem() { return synth::noise_study_problem({.correspondences = 300, .outlier_ratio = 0.5}); }
+
+TEST(Solver, ListStartsWithTheDefaultAndHasNoDoubles) {
+  ASSERT_FALSE(solvers().empty());
+  EXPECT_EQ(solvers().front().name, "tcf");
+  std::set<std::string_view> names;
+  for (const SolverInfo& info : solvers()) {
+    EXPECT_TRUE(names.insert(info.name).second) << info.name;
+    EXPECT_FALSE(info.description.empty()) << info.name;
+  }
+  EXPECT_TRUE(names.contains("tcf-published"));
+}
+
+TEST(Solver, UnknownNameThrowsAndListsTheKnownOnes) {
+  const Correspondences correspondences = easy_problem().correspondences();
+  for (const std::string name : {"", "TCF", "tcf ", "gc-ransac"}) {
+    try {
+      static_cast<void>(register_by_name(name, correspondences, {.noise_bound = 3.0}));
+      ADD_FAILURE() << "'" << name << "' was accepted";
+    } catch (const std::invalid_argument& error) {
+      const std::string message = error.what();
+      EXPECT_NE(message.find("'" + name + "'"), std::string::npos) << message;
+      for (const SolverInfo& info : solvers()) EXPECT_NE(message.find(info.name), std::string::npos) << message;
+    }
+  }
+}
+
+TEST(Solver, EveryOneRejectsBadBounds) {
+  const Correspondences correspondences = easy_problem().correspondences();
+  const Correspondences nothing;
+  for (const SolverInfo& info : solvers()) {
+    for (const double bound : kBadLengths) {
+      const SolverOptions options{.noise_bound = bound};
+      for (const Correspondences& input : {std::cref(correspondences), std::cref(nothing)}) {
+        expect_rejected([&] { static_cast<void>(register_by_name(info.name, input, options)); }, "noise_bound", bound);
+      }
+    }
+  }
+}
+
+TEST(Solver, NameMeansTheFunction) {
+  const Correspondences correspondences = easy_problem().correspondences();
+  TcfOptions tcf;
+  tcf.noise_bound = 3.0;
+  tcf.seed = 7;
+  for (const auto& [name, options] :
+       {std::pair("tcf", tcf), std::pair("tcf-published", TcfOptions::as_published(3.0, 7))}) {
+    const Registration by_name = register_by_name(name, correspondences, {.noise_bound = 3.0, .seed = 7});
+    const Registration direct = register_tcf(correspondences, options);
+    EXPECT_EQ(by_name.status, direct.status) << name;
+    EXPECT_EQ(by_name.seed, 7u) << name;
+    EXPECT_EQ(by_name.T_target_source.matrix(), direct.T_target_source.matrix()) << name;
+    EXPECT_EQ(by_name.inliers, direct.inliers) << name;
+    ASSERT_EQ(by_name.stages.size(), direct.stages.size()) << name;
+    for (std::size_t s = 0; s < direct.stages.size(); ++s) {
+      EXPECT_EQ(by_name.stages[s].iterations, direct.stages[s].iterations) << name;
+    }
+  }
+}
+
+TEST(Solver, StatusesHaveNames) {
+  std::set<std::string_view> names;
+  for (const Status status : {Status::success, Status::too_few_correspondences, Status::no_consensus,
+                              Status::degenerate_geometry, Status::budget_exhausted}) {
+    EXPECT_TRUE(names.insert(to_string(status)).second);
+  }
+  EXPECT_EQ(to_string(Status::success), "success");
+}
+
+}  // namespace
+}  // namespace consimd::test

@@ -1,0 +1,158 @@
+// The default TCF on the noise study, held against a truth that it cannot know.
+#include <consimd/solvers/tcf.hpp>
+#include <consimd/synth/hard_problems.hpp>
+#include <consimd/synth/metrics.hpp>
+#include <consimd/synth/noise_study.hpp>
+
+#include <ostream>
+#include <string>
+#include <vector>
+
+#include "problems.hpp"
+
+namespace consimd::test {
+namespace {
+
+TcfOptions with_bound(double noise_bound, std::uint64_t seed = 1) {
+  TcfOptions options;
+  options.noise_bound = noise_bound;
+  options.seed = seed;
+  return options;
+}
+
+struct Cell {
+  double outlier_ratio;
+  double sigma;
+};
+
+void PrintTo(const Cell& cell, std::ostream* out) { *out << cell.outlier_ratio << " outliers, sigma " << cell.sigma; }
+
+/// Errors of several trials, and the oracle's on the same data.
+struct Errors {
+  double rotation = 0.0;
+  double translation = 0.0;
+  double oracle_rotation = 0.0;
+  double oracle_translation = 0.0;
+
+  void add(const Problem& problem, const RigidTransform& T) {
+    const RigidTransform oracle = synth::oracle(problem);
+    rotation += synth::rotation_error_deg(T, problem.T_target_source);
+    translation += synth::translation_error(T, problem.T_target_source);
+    oracle_rotation += synth::rotation_error_deg(oracle, problem.T_target_source);
+    oracle_translation += synth::translation_error(oracle, problem.T_target_source);
+  }
+
+  void expect_within(double ratio) const {
+    EXPECT_LT(rotation, ratio * oracle_rotation);
+    EXPECT_LT(translation, ratio * oracle_translation);
+  }
+};
+
+class TcfNoiseStudy : public ::testing::TestWithParam<Cell> {};
+INSTANTIATE_TEST_SUITE_P(Cells, TcfNoiseStudy,
+                         ::testing::Values(Cell{0.0, 1.0}, Cell{0.1, 0.1}, Cell{0.1, 5.0}, Cell{0.5, 0.1},
+                                           Cell{0.5, 1.0}, Cell{0.5, 5.0}, Cell{0.9, 0.1}, Cell{0.9, 1.0},
+                                           Cell{0.9, 5.0}, Cell{0.95, 0.1}, Cell{0.95, 2.5}, Cell{0.95, 5.0},
+                                           Cell{0.98, 0.1}, Cell{0.98, 1.0}, Cell{0.98, 5.0}, Cell{0.99, 0.1},
+                                           Cell{0.99, 1.0}));
+
+TEST_P(TcfNoiseStudy, FindsEveryPoseAtTheOraclesError) {
+  const auto [outlier_ratio, sigma] = GetParam();
+  const double bound = synth::noise_study_bound(sigma);
+  Errors errors;
+  for (std::uint64_t trial = 0; trial < 20; ++trial) {
+    SCOPED_TRACE(::testing::Message() << "trial " << trial);
+    const Problem problem =
+        synth::noise_study_problem({.outlier_ratio = outlier_ratio, .sigma = sigma, .seed = 42, .trial = trial});
+    const Registration result = register_tcf(problem.correspondences(), with_bound(bound, trial));
+    expect_sound(result, problem, bound);
+    EXPECT_EQ(result.status, Status::success);
+    EXPECT_LT(synth::rmse_true_inliers(problem, result.T_target_source), bound);
+    EXPECT_LT(result.log10_false_poses, -3.0);
+    errors.add(problem, result.T_target_source);
+
+    // 97 % of a Gaussian's residuals are below 3 sigma.
+    const synth::InlierQuality quality = synth::inlier_quality(problem, result.inliers);
+    EXPECT_GT(quality.recall, 0.85);
+    EXPECT_GT(quality.precision, outlier_ratio * sigma > 4.0 ? 0.7 : 0.85);
+  }
+  errors.expect_within(1.2);
+}
+
+TEST(TcfAccuracy, StagesAreReportedInOrder) {
+  const Problem problem = synth::noise_study_problem({.outlier_ratio = 0.95});
+  const Registration result = register_tcf(problem.correspondences(), with_bound(3.0, 5));
+  std::vector<std::string> names;
+  for (const StageReport& stage : result.stages) {
+    names.push_back(stage.name);
+    EXPECT_GT(stage.iterations, 0u) << stage.name;
+    EXPECT_GT(stage.output, 0u) << stage.name;
+  }
+  EXPECT_EQ(names, (std::vector<std::string>{"one_point", "two_point", "three_point", "irls"}));
+  EXPECT_EQ(result.stages.front().input, problem.size());
+  EXPECT_EQ(result.stages.back().output, result.inliers.size());
+  EXPECT_EQ(result.seed, 5u);
+}
+
+class TcfBound : public ::testing::TestWithParam<double> {};
+INSTANTIATE_TEST_SUITE_P(Factors, TcfBound, ::testing::Values(0.5, 2.0));
+
+TEST_P(TcfBound, MayBeOffByTwo) {
+  Errors errors;
+  for (std::uint64_t trial = 0; trial < 20; ++trial) {
+    const Problem problem = synth::noise_study_problem({.outlier_ratio = 0.95, .sigma = 1.0, .trial = trial});
+    const Registration result = register_tcf(problem.correspondences(), with_bound(3.0 * GetParam()));
+    expect_sound(result, problem, 3.0 * GetParam());
+    EXPECT_EQ(result.status, Status::success) << "trial " << trial;
+    errors.add(problem, result.T_target_source);
+  }
+  errors.expect_within(1.2);
+}
+
+/// Harder than the study in one way each; every pose must be found.
+struct HardCase {
+  std::string name;
+  synth::HardProblemOptions options;
+  double error_ratio;
+};
+
+void PrintTo(const HardCase& hard, std::ostream* out) { *out << hard.name; }
+
+class TcfHardProblem : public ::testing::TestWithParam<HardCase> {};
+INSTANTIATE_TEST_SUITE_P(
+    Cases, TcfHardProblem,
+    ::testing::Values(
+        HardCase{"permuted", {.outliers = synth::OutlierModel::permuted}, 1.2},
+        HardCase{"clustered", {.outliers = synth::OutlierModel::clustered}, 1.2},
+        HardCase{"one_to_many", {.outliers = synth::OutlierModel::one_to_many}, 1.2},
+        HardCase{"many_to_many", {.outliers = synth::OutlierModel::many_to_many}, 1.2},
+        HardCase{"decoy_of_half", {.outlier_ratio = 0.8, .decoy_share = 0.5}, 1.2},
+        HardCase{"planar", {.scene = synth::Scene::planar}, 1.2},
+        HardCase{"range_dependent", {.noise = synth::NoiseModel::range_dependent}, 1.3},
+        HardCase{"student_t", {.noise = synth::NoiseModel::student_t}, 1.2},
+        HardCase{"duplicates", {.duplicates = 500}, 1.3}, HardCase{"quantised", {.sigma = 0.2, .quantum = 0.5}, 1.3},
+        HardCase{"map_coordinates", {.source_offset = {5e6, -4e6, 300.0}, .target_offset = {-4e6, 5e6, 100.0}}, 1.2},
+        HardCase{"millimetres", {.units_per_metre = 1000.0}, 1.2}),
+    [](const auto& test) { return test.param.name; });
+
+TEST_P(TcfHardProblem, IsSolved) {
+  Errors errors;
+  for (std::uint64_t trial = 0; trial < 5; ++trial) {
+    SCOPED_TRACE(::testing::Message() << "trial " << trial);
+    synth::HardProblemOptions options = GetParam().options;
+    options.correspondences = 2000;
+    options.trial = trial;
+    const Problem problem = synth::hard_problem(options);
+    // Quantised coordinates add the rounding of both clouds to the noise.
+    const double sigma = std::hypot(problem.sigma, options.quantum / std::sqrt(6.0));
+    const Registration result = register_tcf(problem.correspondences(), with_bound(3.0 * sigma));
+    expect_sound(result, problem, 3.0 * sigma);
+    EXPECT_EQ(result.status, Status::success);
+    EXPECT_LT(synth::rmse_true_inliers(problem, result.T_target_source), 3.0 * sigma);
+    errors.add(problem, result.T_target_source);
+  }
+  errors.expect_within(GetParam().error_ratio);
+}
+
+}  // namespace
+}  // namespace consimd::test

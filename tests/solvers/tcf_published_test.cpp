@@ -1,0 +1,80 @@
+// TCF as printed in the paper.
+#include <consimd/solvers/one_point_ransac.hpp>
+#include <consimd/solvers/sa_cauchy_irls.hpp>
+#include <consimd/solvers/tcf.hpp>
+#include <consimd/solvers/three_point_ransac.hpp>
+#include <consimd/solvers/two_point_ransac.hpp>
+#include <consimd/synth/metrics.hpp>
+#include <consimd/synth/noise_study.hpp>
+
+#include "problems.hpp"
+
+namespace consimd::test {
+namespace {
+
+/// A problem of the noise study whose clouds are hardly rotated against each other, as Eq. (alpha-angle) needs.
+Problem hardly_rotated(double outlier_ratio, std::uint64_t trial) {
+  Problem problem =
+      synth::noise_study_problem({.correspondences = 1000, .outlier_ratio = outlier_ratio, .trial = trial});
+  const RigidTransform back = motion(0.02, {3.0, 2.0, 1.0}, {0.0, 10.0, 20.0}) * problem.T_target_source.inverse();
+  return with_moved_target(std::move(problem), back);
+}
+
+class TcfPublished : public ::testing::TestWithParam<double> {};
+INSTANTIATE_TEST_SUITE_P(OutlierRatios, TcfPublished, ::testing::Values(0.0, 0.5, 0.9));
+
+TEST_P(TcfPublished, FindsPosesOfHardlyRotatedClouds) {
+  for (std::uint64_t trial = 0; trial < 5; ++trial) {
+    const Problem problem = hardly_rotated(GetParam(), trial);
+    const Registration result = register_tcf(problem.correspondences(), TcfOptions::as_published(3.0, trial));
+    expect_sound(result, problem, 3.0);
+    EXPECT_EQ(result.status, Status::success) << "trial " << trial;
+    EXPECT_LT(synth::rmse_true_inliers(problem, result.T_target_source), 3.0) << "trial " << trial;
+  }
+}
+
+TEST_P(TcfPublished, IsItsStagesInARow) {
+  const double tau = 3.0;
+  const Problem problem = hardly_rotated(GetParam(), 7);
+  const Correspondences correspondences = problem.correspondences();
+  const Registration result = register_tcf(correspondences, TcfOptions::as_published(tau, 3));
+
+  const ConsensusSet one =
+      one_point_ransac(correspondences, {.consistency_bound = 2.0 * tau, .prune = false, .seed = 3});
+  const ConsensusSet two = two_point_ransac(correspondences, one.members,
+                                            {.consistency_bound = 2.0 * tau,
+                                             .angle_bound = tau,
+                                             .angle_test = AngleTest::as_printed,
+                                             .prune = false,
+                                             .seed = 3});
+  const ThreePointResult three = three_point_ransac(correspondences, two.members, {.noise_bound = tau, .seed = 3});
+  const IrlsResult irls =
+      sa_cauchy_irls(correspondences, three.consensus.members, {.rule = SaCauchyIrlsOptions::Rule::as_printed});
+
+  EXPECT_EQ(result.T_target_source.matrix(), to_caller_frame(irls.fit.pose, correspondences).matrix());
+  ASSERT_EQ(result.stages.size(), 4u);
+  const auto expect_stage = [&](std::size_t s, const std::string& name, std::size_t input, std::size_t output,
+                                std::uint64_t iterations) {
+    EXPECT_EQ(result.stages[s].name, name);
+    EXPECT_EQ(result.stages[s].input, input) << name;
+    EXPECT_EQ(result.stages[s].output, output) << name;
+    EXPECT_EQ(result.stages[s].iterations, iterations) << name;
+  };
+  expect_stage(0, "one_point", problem.size(), one.members.size(), one.iterations);
+  expect_stage(1, "two_point", one.members.size(), two.members.size(), two.iterations);
+  expect_stage(2, "three_point", two.members.size(), three.consensus.members.size(), three.consensus.iterations);
+  expect_stage(3, "irls", three.consensus.members.size(), irls.members.size(), irls.rounds);
+}
+
+TEST(TcfPublishedOptions, AreThePapers) {
+  const TcfOptions options = TcfOptions::as_published(0.6, 9);
+  EXPECT_TRUE(options.published);
+  EXPECT_EQ(options.noise_bound, 0.6);
+  EXPECT_EQ(options.seed, 9u);
+  EXPECT_EQ(options.confidence, 0.99);
+  EXPECT_EQ(options.max_seeds, 10'000u);
+  EXPECT_FALSE(TcfOptions().published);
+}
+
+}  // namespace
+}  // namespace consimd::test
