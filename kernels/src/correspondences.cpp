@@ -6,6 +6,8 @@
 #include <stdexcept>
 #include <string>
 
+#include "kernel_arguments.hpp"
+
 namespace consimd {
 namespace {
 
@@ -102,17 +104,26 @@ Correspondences Correspondences::subset(std::span<const std::uint32_t> rows) con
 }
 
 void Correspondences::assign_subset(const Correspondences& parent, std::span<const std::uint32_t> rows) {
-  for (const std::uint32_t row : rows) {
-    if (row >= parent.size_) {
-      throw std::out_of_range("row " + std::to_string(row) + " of " + std::to_string(parent.size_) +
-                              " correspondences");
+  assign_pairs(parent, rows, rows);
+}
+
+void Correspondences::assign_pairs(const Correspondences& parent, std::span<const std::uint32_t> source_rows,
+                                   std::span<const std::uint32_t> target_rows) {
+  detail::require_size("target_rows", target_rows.size(), source_rows.size());
+  for (const auto& rows : {source_rows, target_rows}) {
+    for (const std::uint32_t row : rows) {
+      if (row >= parent.size_) {
+        throw std::out_of_range("row " + std::to_string(row) + " of " + std::to_string(parent.size_) +
+                                " correspondences");
+      }
     }
   }
   scale_ = parent.scale_;
   source_centroid_ = parent.source_centroid_;
   target_centroid_ = parent.target_centroid_;
-  allocate(rows.size());
+  allocate(source_rows.size());
   for (std::size_t c = 0; c < 6; ++c) {
+    const auto& rows = c < 3 ? source_rows : target_rows;
     const float* from = parent.data_.get() + c * parent.padded_;
     std::transform(rows.begin(), rows.end(), data_.get() + c * padded_,
                    [from](std::uint32_t row) { return from[row]; });

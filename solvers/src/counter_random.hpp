@@ -14,7 +14,8 @@ enum class RandomStage : std::uint32_t {
   two_point = 2,
   three_point = 3,
   permutation = 4,
-  background = 5
+  background = 5,
+  pairing = 6
 };
 
 class CounterRandom {

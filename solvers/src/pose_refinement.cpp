@@ -1,6 +1,6 @@
 #include <consimd/solvers/pose_refinement.hpp>
 
-#include <array>
+#include <algorithm>
 
 #include <consimd/kernels/alignment_residuals.hpp>
 #include <consimd/kernels/rigid_moments.hpp>
@@ -39,8 +39,9 @@ detail::ResidualHistogram histogram(const CorrespondenceView& view, const Workin
 
 RefinedPose refine_pose(const Correspondences& correspondences, const WorkingPose& start,
                         const PoseRefinementOptions& options) {
-  const double tau = options.noise_bound;
-  detail::require_length("noise_bound", tau);
+  detail::require_length("noise_bound", options.noise_bound);
+  // As far as single precision resolves, and no further than the data reach; the kernels do the same.
+  const double tau = std::clamp(options.noise_bound, 1e-9 / correspondences.scale(), 16.0 / correspondences.scale());
   const Correspondences near =
       correspondences.subset(detail::pose_inliers(correspondences.view(), start, kNeighbourhood * tau));
   const CorrespondenceView view = near.view();

@@ -86,6 +86,11 @@ class Correspondences {
   /// suffices: for loops that must not allocate. `parent` must not be this object.
   void assign_subset(const Correspondences& parent, std::span<const std::uint32_t> rows);
 
+  /// Makes this the pairs (source of source_rows[k], target of target_rows[k]) of `parent`: mismatched correspondences,
+  /// to see what chance gives. Otherwise as `assign_subset`. Throws std::invalid_argument if the sizes differ.
+  void assign_pairs(const Correspondences& parent, std::span<const std::uint32_t> source_rows,
+                    std::span<const std::uint32_t> target_rows);
+
   [[nodiscard]] std::size_t size() const noexcept { return size_; }
   [[nodiscard]] bool empty() const noexcept { return size_ == 0; }
   [[nodiscard]] CorrespondenceView view() const noexcept { return {data_.get(), size_, padded_, scale_}; }

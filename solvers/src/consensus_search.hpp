@@ -1,0 +1,55 @@
+// The search of the default TCF: rounds of seeds, their sets, the poses of these.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include <consimd/kernels/correspondences.hpp>
+#include <consimd/solvers/tcf.hpp>
+
+#include "seed_sets.hpp"
+#include "set_poses.hpp"
+
+namespace consimd::detail {
+
+class ConsensusSearch {
+ public:
+  /// Keeps references to both.
+  ConsensusSearch(const Correspondences& correspondences, const TcfOptions& options);
+
+  /// Draws rounds of seeds until one of the best pose's supporters has been among them with the wanted confidence, or,
+  /// if `exhaustive`, until there are no more.
+  void run(bool exhaustive);
+
+  /// The pose of highest score so far, locally optimised; support.count below 3: none.
+  [[nodiscard]] const PoseCandidate& best() const noexcept { return best_; }
+  /// The pruned set that it came from, ascending.
+  [[nodiscard]] const std::vector<std::uint32_t>& best_set() const noexcept { return best_set_; }
+  /// Whether the seeds drawn suffice for the wanted confidence.
+  [[nodiscard]] bool confident() const;
+
+  [[nodiscard]] const SeedSets& sets() const noexcept { return sets_; }
+  [[nodiscard]] std::uint64_t minimal_fits() const noexcept { return minimal_fits_; }
+  [[nodiscard]] double three_point_seconds() const noexcept { return three_point_seconds_; }
+
+ private:
+  [[nodiscard]] std::uint64_t seeds_needed() const;
+  void fit_sets(std::span<const std::uint32_t> positions);
+
+  const Correspondences& correspondences_;
+  const TcfOptions& options_;
+  SeedSets sets_;
+  PoseCandidate best_;
+  std::vector<std::uint32_t> best_set_;
+  std::vector<PoseCandidate> candidates_;
+  tbb::enumerable_thread_specific<PoseScratch> scratch_;
+  double three_point_seconds_ = 0.0;
+  std::uint64_t minimal_fits_ = 0;
+};
+
+/// log10 of the chance that correspondences like these, paired at random, give a pose of this score: the same search on
+/// some random pairings, and the exponential tail that the greatest of many scores has beyond their mean.
+double log10_chance_of_score(const Correspondences& correspondences, const TcfOptions& options, double score);
+
+}  // namespace consimd::detail
