@@ -16,12 +16,13 @@ namespace {
 // Share of all pairs that are consistent from which the matrix of all correspondences beats one matrix per set.
 constexpr double kDense = 0.12;
 // Largest set whose own matrix is built; larger ones are thinned evenly.
-constexpr std::size_t kLargestSet = 384;
+constexpr std::size_t kLargestSet = 256;
 // A set is sampled with this many members, of which this many are tried as the second point.
 constexpr std::size_t kSample = kBlock;
 constexpr std::size_t kPartners = 16;
 // Estimates scatter: sets down to this share of the best estimate, or of the support to beat, are kept.
 constexpr float kSlack = 0.5F;
+constexpr float kSupportSlack = 0.8F;
 
 // Keeps `count` members at even distances.
 void thin(std::vector<std::uint32_t>& members, std::size_t count) {
@@ -113,7 +114,7 @@ std::span<const std::uint32_t> SeedSets::rank(std::uint32_t support_to_beat) {
   });
   largest_raw_set_ = std::max<std::size_t>(largest_raw_set_, *std::max_element(counts_.begin(), counts_.end()));
   const float best = *std::max_element(estimates_.begin(), estimates_.end());
-  const float least = std::max({kSlack * best, kSlack * static_cast<float>(support_to_beat), 3.0F});
+  const float least = std::max({kSlack * best, kSupportSlack * static_cast<float>(support_to_beat), 3.0F});
   ranking_.clear();
   for (std::uint32_t h = 0; h < count; ++h) {
     if (estimates_[h] >= least) ranking_.push_back(h);
@@ -125,7 +126,7 @@ std::span<const std::uint32_t> SeedSets::rank(std::uint32_t support_to_beat) {
 
 std::span<const std::uint32_t> SeedSets::promising(std::span<const std::uint32_t> ranking,
                                                    std::uint32_t support_to_beat) const {
-  const float least = kSlack * static_cast<float>(support_to_beat);
+  const float least = kSupportSlack * static_cast<float>(support_to_beat);
   while (!ranking.empty() && (estimates_[ranking.back()] < least || counts_[ranking.back()] <= support_to_beat)) {
     ranking = ranking.first(ranking.size() - 1);
   }

@@ -228,7 +228,7 @@ TEST_P(TcfPureOutliers, HaveNoPose) {
     const Problem problem = synth::hard_problem(options);
     const Registration result = run(problem, 3.0, trial);
     expect_sound(result, problem, 3.0);
-    poses += result.has_pose() ? 1 : 0;
+    if (result.has_pose()) ++poses;
     least = std::min(least, result.log10_false_poses);
   }
   EXPECT_LE(poses, allowed) << "least log10 of false poses " << least;
