@@ -14,7 +14,7 @@ constexpr auto kPlainInterval = 10s;
 constexpr std::size_t kBarWidth = 20;  // the whole line stays below 80 characters
 
 std::string duration(double seconds) {
-  const auto whole = static_cast<long long>(seconds + 0.5);
+  const auto whole = std::llround(seconds);
   if (whole < 60) return fmt::format("{} s", whole);
   if (whole < 3600) return fmt::format("{} min {:02} s", whole / 60, whole % 60);
   return fmt::format("{} h {:02} min", whole / 3600, whole / 60 % 60);
@@ -59,8 +59,7 @@ void Progress::show(Clock::time_point now) {
 
 std::string Progress::status(Clock::time_point now) const {
   const double elapsed = std::chrono::duration<double>(now - start_).count();
-  const std::string text =
-      fmt::format("{:3} % {}/{} trials, {}", 100 * done_ / total_, done_, total_, duration(elapsed));
+  std::string text = fmt::format("{:3} % {}/{} trials, {}", 100 * done_ / total_, done_, total_, duration(elapsed));
   const std::size_t here = done_ - done_before_;
   if (here == 0 || done_ == total_) return text;
   return fmt::format("{}, {} left", text,

@@ -19,6 +19,7 @@ namespace {
 /// killed.
 int run(std::vector<std::string> command, bool show_errors) {
   std::vector<char*> arguments;
+  arguments.reserve(command.size() + 1);
   for (std::string& argument : command) arguments.push_back(argument.data());
   arguments.push_back(nullptr);
 

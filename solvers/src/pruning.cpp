@@ -10,6 +10,7 @@ namespace {
 
 constexpr std::uint32_t kMaxRounds = 50;
 constexpr std::uint32_t kSmallestDrop = 5;
+constexpr double kLaterShare = 0.6;
 
 std::uint32_t ceil_sqrt(std::uint64_t value) {
   auto root = static_cast<std::uint64_t>(std::sqrt(static_cast<double>(value)));
@@ -33,6 +34,15 @@ Cut cut_for(std::span<const std::uint32_t> degrees, std::uint32_t keep, std::vec
   return {degree, keep - above};
 }
 
+// Takes from each member's degree within the set what its degree in the whole matrix lets expect, down to 0.
+void subtract_chance(const ConsistencyMatrix& matrix, std::span<const std::uint32_t> members,
+                     std::span<std::uint32_t> degrees) {
+  for (std::size_t i = 0; i < members.size(); ++i) {
+    const std::uint64_t expected = std::uint64_t{matrix.degrees()[members[i]]} * members.size() / matrix.size();
+    degrees[i] -= std::min(degrees[i], static_cast<std::uint32_t>(expected));
+  }
+}
+
 }  // namespace
 
 void members_of(std::span<const std::uint64_t> bits, std::vector<std::uint32_t>& rows) {
@@ -44,8 +54,8 @@ void members_of(std::span<const std::uint64_t> bits, std::vector<std::uint32_t>&
   }
 }
 
-std::uint32_t prune(const ConsistencyMatrix& matrix, std::vector<std::uint32_t>& members, std::uint32_t give_up_below,
-                    PruneScratch& scratch) {
+void prune(const ConsistencyMatrix& matrix, std::vector<std::uint32_t>& members, std::uint32_t give_up_below,
+           Merit merit, PruneScratch& scratch) {
   for (std::uint32_t round = 0; round < kMaxRounds; ++round) {
     scratch.set.assign(matrix.words(), 0);
     for (const std::uint32_t row : members) scratch.set[row / kBlock] |= std::uint64_t{1} << (row % kBlock);
@@ -56,9 +66,15 @@ std::uint32_t prune(const ConsistencyMatrix& matrix, std::vector<std::uint32_t>&
     for (const std::uint32_t degree : scratch.degrees) ones += degree;
     const std::uint32_t keep = ceil_sqrt(ones);
     const auto size = static_cast<std::uint32_t>(members.size());
-    if (keep < give_up_below) return keep;
+    // Of a clique the later rounds may have dropped some members already.
+    const std::uint32_t least = round == 0 ? give_up_below : static_cast<std::uint32_t>(kLaterShare * give_up_below);
+    if (keep < least) {
+      members.clear();
+      return;
+    }
     if (keep >= size) break;
 
+    if (merit == Merit::excess) subtract_chance(matrix, members, scratch.degrees);
     Cut cut = cut_for(scratch.degrees, keep, scratch.histogram);
     std::size_t kept = 0;
     for (std::size_t i = 0; i < members.size(); ++i) {
@@ -71,7 +87,6 @@ std::uint32_t prune(const ConsistencyMatrix& matrix, std::vector<std::uint32_t>&
     members.resize(kept);
     if (size - keep < kSmallestDrop) break;
   }
-  return static_cast<std::uint32_t>(members.size());
 }
 
 void SetPruner::prune(const Correspondences& correspondences, std::vector<std::uint32_t>& set, double consistency_bound,
@@ -80,10 +95,7 @@ void SetPruner::prune(const Correspondences& correspondences, std::vector<std::u
   matrix_.compute(subset_.view(), consistency_bound);
   local_.resize(set.size());
   std::iota(local_.begin(), local_.end(), 0U);
-  if (detail::prune(matrix_, local_, give_up_below, scratch_) < give_up_below) {
-    set.clear();
-    return;
-  }
+  detail::prune(matrix_, local_, give_up_below, Merit::degree, scratch_);
   for (std::size_t i = 0; i < local_.size(); ++i) set[i] = set[local_[i]];
   set.resize(local_.size());
 }

@@ -13,6 +13,13 @@ namespace consimd::detail {
 /// Appends the positions of the ones of `bits` to `rows` (cleared first), ascending.
 void members_of(std::span<const std::uint64_t> bits, std::vector<std::uint32_t>& rows);
 
+/// What a member of a set is worth.
+enum class Merit : std::uint8_t {
+  degree,  ///< its degree within the set
+  excess,  ///< what that degree exceeds chance by: correspondences near the middle of both clouds are consistent with
+           ///< many others. For sets that are a small part of the matrix
+};
+
 /// Scratch of `prune`, kept between calls.
 struct PruneScratch {
   std::vector<std::uint64_t> set;
@@ -21,12 +28,11 @@ struct PruneScratch {
 };
 
 /// Shrinks `members` (rows of `matrix`, ascending) in rounds: with E the number of consistent ordered pairs within the
-/// set, self pairs counted, only the m = ceil(sqrt(E)) members of highest degree within the set stay (ties: the lower
-/// row), until a round drops fewer than five or 50 rounds are done. m bounds the size of any clique in the set, so the
-/// loop ends early, returning m, once m < `give_up_below`. Returns the final size, the score of the hypothesis that
-/// gave the set.
-std::uint32_t prune(const ConsistencyMatrix& matrix, std::vector<std::uint32_t>& members, std::uint32_t give_up_below,
-                    PruneScratch& scratch);
+/// set, self pairs counted, only the m = ceil(sqrt(E)) members of highest merit stay (ties: the lower
+/// row), until a round drops fewer than five or 50 rounds are done. m bounds the size of any clique in the set: when it
+/// shows that there is none of `give_up_below` members, `members` comes back empty.
+void prune(const ConsistencyMatrix& matrix, std::vector<std::uint32_t>& members, std::uint32_t give_up_below,
+           Merit merit, PruneScratch& scratch);
 
 /// Prunes sets given as rows of a `Correspondences`, by the consistency matrix of each set alone. Holds the memory that
 /// takes.

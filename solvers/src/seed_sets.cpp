@@ -141,7 +141,7 @@ void SeedSets::prune(std::span<const std::uint32_t> positions, std::uint32_t sup
     std::vector<std::uint32_t>& set = sets_[positions[i]];
     members_of(row(positions[i]), set);
     if (matrix_.size() != 0) {
-      if (detail::prune(matrix_, set, wanted, scratch.matrix_prune) < wanted) set.clear();
+      detail::prune(matrix_, set, wanted, Merit::excess, scratch.matrix_prune);
       return;
     }
     const std::size_t size = set.size();

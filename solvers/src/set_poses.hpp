@@ -16,7 +16,7 @@ struct PoseCandidate {
 };
 
 /// Minimal fits drawn from each set.
-inline constexpr std::uint32_t kTriplesPerSet = 48;
+inline constexpr std::uint32_t kTriplesPerSet = 160;
 
 /// Scratch of `pose_of_set`, kept between calls.
 struct PoseScratch {

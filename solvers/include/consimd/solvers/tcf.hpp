@@ -12,7 +12,7 @@ struct TcfOptions {
   double noise_bound = 0.0;
   std::uint64_t seed = 1;
   /// Probability that a seed of the pose with the largest support has been drawn when the search stops.
-  double confidence = 0.99;
+  double confidence = 0.999;
   /// Seeds drawn at most; when they end before the confidence is reached the status is budget_exhausted.
   std::uint32_t max_seeds = 10'000;
   /// Memory for the pairwise consistency matrix of all correspondences. It is built where the consensus sets are dense
