@@ -1,6 +1,7 @@
 #include "progress.hpp"
 
 #include <unistd.h>
+#include <cmath>
 
 #include <fmt/format.h>
 

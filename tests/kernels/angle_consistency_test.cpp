@@ -125,6 +125,7 @@ TEST_P(AngleConsistency, KeepsShortBaselines) {
   // three points 1e-4 of the frame apart and a tenth of that as bound: no product may underflow
   constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
   std::vector<ExactArray<float>> rows;
+  rows.reserve(6);
   for (int row = 0; row < 6; ++row) rows.emplace_back(64, kNan);
   const float corners[3][3] = {{0, 0, 0}, {1e-4f, 0, 0}, {0.3e-4f, 0.8e-4f, 0}};
   for (std::size_t j = 0; j < 3; ++j) {

@@ -7,6 +7,7 @@
 namespace consimd::test {
 namespace {
 
+// NOLINTNEXTLINE(bugprone-suspicious-memory-comparison): doubles alone, compared as bits on purpose
 bool same_bits(const RigidMoments& a, const RigidMoments& b) { return std::memcmp(&a, &b, sizeof a) == 0; }
 
 /// NaN entries are equal whatever their sign and payload, on which processors differ.

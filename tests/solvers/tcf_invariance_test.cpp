@@ -37,7 +37,7 @@ class TcfInvariance : public ::testing::TestWithParam<Cell> {
   static Registration run(const Problem& problem, double noise_bound) {
     TcfOptions options;
     options.noise_bound = noise_bound;
-    const Registration result = register_tcf(problem.correspondences(), options);
+    Registration result = register_tcf(problem.correspondences(), options);
     EXPECT_EQ(result.status, Status::success);
     return result;
   }
