@@ -10,7 +10,7 @@ namespace {
 
 constexpr std::uint32_t kMaxRounds = 50;
 constexpr std::uint32_t kSmallestDrop = 5;
-constexpr double kLaterShare = 0.6;
+constexpr double kLaterShare = 0.6;  // of the wanted clique that must be left after the first round
 
 std::uint32_t ceil_sqrt(std::uint64_t value) {
   auto root = static_cast<std::uint64_t>(std::sqrt(static_cast<double>(value)));

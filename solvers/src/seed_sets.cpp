@@ -20,7 +20,7 @@ constexpr std::size_t kLargestSet = 256;
 // A set is sampled with this many members, of which this many are tried as the second point.
 constexpr std::size_t kSample = kBlock;
 constexpr std::size_t kPartners = 16;
-// Estimates scatter: sets down to this share of the best estimate, or of the support to beat, are kept.
+// Estimates scatter: sets down to these shares of the best estimate, and of the support to beat, are kept.
 constexpr float kSlack = 0.5F;
 constexpr float kSupportSlack = 0.8F;
 
