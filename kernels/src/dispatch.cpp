@@ -104,8 +104,14 @@ const KernelTable& table_of(Isa isa) noexcept {
       return avx2::table();
 #endif
 #ifdef CONSIMD_HAVE_AVX512
-    case Isa::avx512:
-      return avx512::table();
+    case Isa::avx512: {
+      static const KernelTable table = [] {
+        KernelTable best = avx512::table();
+        if (__builtin_cpu_supports("avx512vpopcntdq")) avx512::use_vector_popcount(best);
+        return best;
+      }();
+      return table;
+    }
 #endif
 #ifdef CONSIMD_HAVE_NEON
     case Isa::neon:

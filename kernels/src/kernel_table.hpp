@@ -66,7 +66,9 @@ const detail::KernelTable& table() noexcept;
 }
 namespace consimd::avx512 {
 const detail::KernelTable& table() noexcept;
-}
+/// Puts in the functions that need AVX512_VPOPCNTDQ, which not every AVX-512 processor has.
+void use_vector_popcount(detail::KernelTable& table) noexcept;
+}  // namespace consimd::avx512
 namespace consimd::neon {
 const detail::KernelTable& table() noexcept;
 }

@@ -37,9 +37,10 @@ Cut cut_for(std::span<const std::uint32_t> degrees, std::uint32_t keep, std::vec
 // Takes from each member's degree within the set what its degree in the whole matrix lets expect, down to 0.
 void subtract_chance(const ConsistencyMatrix& matrix, std::span<const std::uint32_t> members,
                      std::span<std::uint32_t> degrees) {
+  const double share = static_cast<double>(members.size()) / static_cast<double>(matrix.size());
+  const std::span<const std::uint32_t> all = matrix.degrees();
   for (std::size_t i = 0; i < members.size(); ++i) {
-    const std::uint64_t expected = std::uint64_t{matrix.degrees()[members[i]]} * members.size() / matrix.size();
-    degrees[i] -= std::min(degrees[i], static_cast<std::uint32_t>(expected));
+    degrees[i] -= std::min(degrees[i], static_cast<std::uint32_t>(share * all[members[i]]));
   }
 }
 

@@ -1,5 +1,6 @@
 #include <consimd/kernels/consistency_matrix.hpp>
 
+#include <algorithm>
 #include <bit>
 
 #include <consimd/kernels/length_consistency.hpp>
@@ -87,6 +88,23 @@ TEST_P(Matrix, CountsCommonBits) {
     }
   }
 }
+
+#ifdef __x86_64__
+TEST(VectorPopcount, EqualsThePortableForm) {
+  // Where the processor counts bits in vectors the table of AVX-512 does; the form for other processors must agree.
+  const auto supported = supported_isas();
+  if (std::find(supported.begin(), supported.end(), Isa::avx512) == supported.end()) GTEST_SKIP() << "no AVX-512 here";
+  std::mt19937 random(5);
+  for (std::size_t words = 0; words <= 600; words += words < 40 ? 1 : 37) {
+    ExactArray<std::uint64_t> a(words);
+    ExactArray<std::uint64_t> b(words);
+    for (std::size_t k = 0; k < words; ++k) a[k] = std::uint64_t{random()} << 32 | random();
+    for (std::size_t k = 0; k < words; ++k) b[k] = std::uint64_t{random()} << 32 | random();
+    EXPECT_EQ(avx512::table().and_popcount(a.data(), b.data(), words),
+              detail::table_of(Isa::avx512).and_popcount(a.data(), b.data(), words));
+  }
+}
+#endif
 
 TEST(MatrixArguments, AreChecked) {
   const std::array<double, 6> points{0, 0, 0, 1, 0, 0};
