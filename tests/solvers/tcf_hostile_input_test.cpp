@@ -169,7 +169,7 @@ class TcfMirrored : public ::testing::TestWithParam<std::size_t> {
     }
   }
 };
-INSTANTIATE_TEST_SUITE_P(Sizes, TcfMirrored, ::testing::Values(4, 10, 100, 1000));
+INSTANTIATE_TEST_SUITE_P(Sizes, TcfMirrored, ::testing::Values(4, 10, 100, 400));
 
 TEST_P(TcfMirrored, NeverGivesAReflection) {
   for_each_problem([](const Problem& problem) {
@@ -209,7 +209,7 @@ INSTANTIATE_TEST_SUITE_P(
                                                      {.scene = synth::Scene::planar,
                                                       .outliers = synth::OutlierModel::permuted}},
                                          OutlierCase{"duplicates", {.duplicates = 150}}),
-                       ::testing::Values(5, 30, 300, 1000)),
+                       ::testing::Values(5, 30, 300, 600)),
     [](const auto& test) { return std::get<0>(test.param).name + "_" + std::to_string(std::get<1>(test.param)); });
 
 TEST_P(TcfPureOutliers, HaveNoPose) {
