@@ -23,10 +23,11 @@ std::string duration(double seconds) {
 
 }  // namespace
 
-Progress::Progress(std::size_t total, std::size_t done)
+Progress::Progress(std::size_t total, std::size_t done, std::string_view steps)
     : total_(total),
       done_before_(done),
       done_(done),
+      steps_(steps),
       terminal_(isatty(STDERR_FILENO) == 1),
       start_(Clock::now()),
       shown_(start_) {
@@ -60,7 +61,7 @@ void Progress::show(Clock::time_point now) {
 
 std::string Progress::status(Clock::time_point now) const {
   const double elapsed = std::chrono::duration<double>(now - start_).count();
-  std::string text = fmt::format("{:3} % {}/{} trials, {}", 100 * done_ / total_, done_, total_, duration(elapsed));
+  std::string text = fmt::format("{:3} % {}/{} {}, {}", 100 * done_ / total_, done_, total_, steps_, duration(elapsed));
   const std::size_t here = done_ - done_before_;
   if (here == 0 || done_ == total_) return text;
   return fmt::format("{}, {} left", text,

@@ -4,14 +4,15 @@
 #include <chrono>
 #include <cstddef>
 #include <string>
+#include <string_view>
 
 namespace consimd::cli {
 
 /// A bar with the time left on a terminal, a plain line now and then elsewhere. Not thread-safe.
 class Progress {
  public:
-  /// `done` steps of `total` were made before.
-  Progress(std::size_t total, std::size_t done);
+  /// `done` steps of `total` were made before; `steps` says what they are, in one or two short words.
+  Progress(std::size_t total, std::size_t done, std::string_view steps);
   /// Leaves the bar's line.
   ~Progress();
   Progress(const Progress&) = delete;
@@ -28,6 +29,7 @@ class Progress {
   std::size_t total_;
   std::size_t done_before_;
   std::size_t done_;
+  std::string_view steps_;
   bool terminal_;
   bool line_open_ = false;
   Clock::time_point start_;

@@ -1,5 +1,7 @@
+#include <algorithm>
 #include <filesystem>
 #include <memory>
+#include <optional>
 #include <stdexcept>
 #include <system_error>
 
@@ -13,6 +15,7 @@
 #include "progress.hpp"
 #include "study/cell_summary.hpp"
 #include "study/figures.hpp"
+#include "study/limits.hpp"
 #include "study/study_folder.hpp"
 #include "study/sweep.hpp"
 #include "study/value_list.hpp"
@@ -29,6 +32,7 @@ struct Options {
   int threads = 1;
   std::string out = "consimd-sweep";
   bool fresh = false;
+  bool map = false;
 };
 
 std::vector<double> values_of(std::string_view option, const std::string& text) {
@@ -44,13 +48,31 @@ std::filesystem::path program() {
   return std::filesystem::read_symlink("/proc/self/exe", unknown);
 }
 
-void draw(const std::string& folder) {
+void draw(const std::string& folder, bool map) {
   try {
     study::draw_figures(folder, program());
-    fmt::print("figures: {0}/recall.svg, {0}/errors.svg (and .png)\n", folder);
+    fmt::print("figures: {0}/recall.svg, {0}/errors.svg{1} (and .png)\n", folder,
+               map ? fmt::format(", {}/map.svg", folder) : "");
   } catch (const std::runtime_error& error) {
     fmt::print(stderr, "consimd: figures not drawn: {}\n", error.what());
   }
+}
+
+/// Measures the noise levels that the folder lacks; each is written as it ends. Whether none is left.
+bool measure_limits(const study::SweepOptions& options, study::StudyFolder& folder) {
+  const std::size_t done = folder.limits().size();
+  if (done == options.sigmas.size()) return true;
+  const InterruptionGuard guard;
+  Progress progress(options.sigmas.size() * study::kLimitProblems, done * study::kLimitProblems, "limit problems");
+  const study::LimitControl control{.on_problem = [&] { progress.step(); },
+                                    .stop_requested = [] { return InterruptionGuard::requested(); }};
+  for (const double sigma : options.sigmas) {
+    if (std::ranges::count(folder.limits(), sigma, &study::LimitRecord::sigma) != 0) continue;
+    const std::optional<study::LimitRecord> limit = study::measure_limit(options, sigma, control);
+    if (!limit) return false;
+    folder.append(*limit);
+  }
+  return true;
 }
 
 int run_sweep_command(Options options) {
@@ -66,7 +88,7 @@ int run_sweep_command(Options options) {
   std::fflush(stdout);
   if (!table.complete()) {
     const InterruptionGuard guard;
-    Progress progress(table.size(), table.filled());
+    Progress progress(table.size(), table.filled(), "trials");
     const study::SweepControl control{.on_trial =
                                           [&](const study::TrialRecord& record) {
                                             folder.append(record);
@@ -83,9 +105,19 @@ int run_sweep_command(Options options) {
   folder.finish(table, facts);
   fmt::print("\n{}\n", sweep_table(study::summarise_ratios(table)));
   fmt::print("Errors are means over all trials, failures included; the oracle is least squares on the true inliers.\n");
-  fmt::print("data: {0}/trials.csv, {0}/cells.csv, {0}/summary.json\n", options.out);
   std::fflush(stdout);
-  draw(options.out);
+  if (options.map) {
+    if (!with_threads(options.threads, [&] { return measure_limits(table.options(), folder); })) {
+      fmt::print(stderr, "consimd: stopped after the limits of {} of {} noise levels; the same command resumes\n",
+                 folder.limits().size(), table.options().sigmas.size());
+      return kInterrupted;
+    }
+    fmt::print("\n{}\n", limit_table(folder.limits(), table.options().points));
+  }
+  fmt::print("data: {0}/trials.csv, {0}/cells.csv, {0}/summary.json{1}\n", options.out,
+             options.map ? fmt::format(", {}/limits.csv", options.out) : "");
+  std::fflush(stdout);
+  draw(options.out, options.map);
   return kSuccess;
 }
 
@@ -117,6 +149,8 @@ void add_sweep_command(CLI::App& app, Action& run) {
   add_threads_option(*command, options->threads);
   command->add_option("--out", options->out, "Folder for the results, made if missing")->capture_default_str();
   command->add_flag("--fresh", options->fresh, "Start over: drop the study that the folder holds");
+  command->add_flag("--map", options->map,
+                    "Also measure where the limit lies (limits.csv) and draw maps over outlier ratio and noise");
   command->footer(
       "Every problem has points in a cube of 200 m under one random rigid motion. A solver gets the noise bound 3 "
       "sigma;\n"
@@ -125,10 +159,13 @@ void add_sweep_command(CLI::App& app, Action& run) {
       "Writes trials.csv, cells.csv, summary.json, and recall and errors as .svg and .png. CONSIMD_PYTHON names the "
       "Python\n"
       "that draws (it needs matplotlib), CONSIMD_PLOT_SCRIPT another script.\n"
+      "--map adds limits.csv and map.svg (and .png). Per noise level it runs the solver on 10 problems without a true\n"
+      "pose: the limit is the outlier ratio at which the true pose has no more support than the best pose of these.\n"
       "Exit code: 0 when complete, 2 on bad usage, 130 when stopped.\n"
       "Examples:\n"
       "  consimd sweep                                                the paper's study: 25000 trials\n"
-      "  consimd sweep --outliers 0.9,0.99 --sigma 0.5,1,2 --trials 20 --out quick");
+      "  consimd sweep --outliers 0.9,0.99 --sigma 0.5,1,2 --trials 20 --out quick\n"
+      "  consimd sweep --map --outliers 0.5,0.9,0.95,0.98,0.99,0.995 --sigma 0.1,0.5,1,2,5 --trials 20 --out map");
   command->callback([&run, options] { run = [options] { return run_sweep_command(*options); }; });
 }
 

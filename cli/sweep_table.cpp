@@ -25,4 +25,18 @@ std::string sweep_table(const std::vector<study::RatioSummary>& rows) {
   return text;
 }
 
+std::string limit_table(std::vector<study::LimitRecord> limits, std::size_t points) {
+  std::ranges::sort(limits, {}, &study::LimitRecord::sigma);
+  std::string text =
+      "            support of the best     limit, where the true pose\n"
+      "            wrong pose              has as much\n"
+      "sigma, m      mean     most         outliers, %    inliers\n";
+  for (const study::LimitRecord& limit : limits) {
+    text += fmt::format("{:>8.4g}  {:>8.1f} {:>8}  {:>18.2f}  {:>9.1f}\n", limit.sigma, limit.chance_support_mean,
+                        limit.chance_support_max, 100.0 * limit.limit_outlier_ratio,
+                        static_cast<double>(points) * (1.0 - limit.limit_outlier_ratio));
+  }
+  return text;
+}
+
 }  // namespace consimd::cli

@@ -1,14 +1,18 @@
-// The table that ends `consimd sweep`.
+// The tables that end `consimd sweep`.
 #pragma once
 
 #include <string>
 #include <vector>
 
 #include "study/cell_summary.hpp"
+#include "study/limits.hpp"
 
 namespace consimd::cli {
 
 /// A line per outlier ratio and solver, units in the head.
 [[nodiscard]] std::string sweep_table(const std::vector<study::RatioSummary>& rows);
+
+/// A line per noise level, in ascending order. `points`: correspondences of a problem.
+[[nodiscard]] std::string limit_table(std::vector<study::LimitRecord> limits, std::size_t points);
 
 }  // namespace consimd::cli

@@ -58,7 +58,7 @@ void draw_figures(const fs::path& folder, const fs::path& program) {
   const fs::path path = script(program);
   if (!fs::exists(path)) throw std::runtime_error(fmt::format("the plotting script {} is missing", path.string()));
   const std::string python = interpreter();
-  if (const int status = run({python, path.string(), folder.string()}, true); status != 0) {
+  if (const int status = run({python, "-B", path.string(), folder.string()}, true); status != 0) {
     throw std::runtime_error(
         fmt::format("'{} {} {}' failed with exit status {}", python, path.string(), folder.string(), status));
   }

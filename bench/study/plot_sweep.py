@@ -1,46 +1,22 @@
 #!/usr/bin/env python3
-"""Draws recall and errors over the noise level from the cells.csv of a noise study.
+"""Draws recall and errors over the noise level from the cells.csv of a noise study, and maps if there is a limits.csv.
 
-Usage: plot_sweep.py DIR      writes DIR/recall.{svg,png} and DIR/errors.{svg,png}
+Usage: plot_sweep.py DIR      writes DIR/recall.{svg,png}, DIR/errors.{svg,png} and DIR/map.{svg,png}
 """
 
 import csv
 import sys
 from pathlib import Path
 
-import matplotlib
-
-matplotlib.use("Agg")
-import matplotlib.pyplot as plt
+from figure_style import COLUMN_WIDTH, PAGE_WIDTH, STYLE, plt, save
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
+from plot_map import draw_map
 
 # Okabe and Ito's colours, told apart with any colour vision; the markers tell the lines apart in greyscale.
 COLOURS = ["#0072B2", "#E69F00", "#009E73", "#D55E00", "#CC79A7", "#56B4E9", "#000000"]
 MARKERS = ["o", "s", "^", "D", "v", "P", "X"]
-COLUMN_WIDTH = 3.5  # inches: one column of a two-column paper
-PAGE_WIDTH = 7.16
 LEGEND_HEIGHT = 0.42
-
-STYLE = {
-    "font.size": 8,
-    "axes.labelsize": 9,
-    "axes.titlesize": 9,
-    "axes.grid": True,
-    "axes.spines.top": False,
-    "axes.spines.right": False,
-    "grid.color": "0.88",
-    "grid.linewidth": 0.6,
-    "lines.linewidth": 1.2,
-    "lines.markersize": 4,
-    "legend.frameon": False,
-    "legend.handlelength": 1.6,
-    "legend.handletextpad": 0.3,
-    "legend.columnspacing": 0.6,
-    "legend.borderaxespad": 0.0,
-    "savefig.dpi": 300,
-    "svg.hashsalt": "consimd",  # the same data give the same file
-}
 
 
 class Study:
@@ -91,12 +67,6 @@ def add_legends(strip, study, kinds):
     handles = study.ratio_handles()
     strip.legend(handles=handles, loc="upper center", ncol=len(handles))
     strip.legend(handles=kinds, loc="lower center", ncol=len(kinds))
-
-
-def save(figure, folder, name):
-    figure.savefig(folder / f"{name}.svg", metadata={"Date": None})
-    figure.savefig(folder / f"{name}.png")
-    plt.close(figure)
 
 
 def draw_recall(study, folder):
@@ -153,6 +123,8 @@ def main():
     with plt.rc_context(STYLE):
         draw_recall(study, folder)
         draw_errors(study, folder)
+        if (folder / "limits.csv").exists():
+            draw_map(folder)
 
 
 if __name__ == "__main__":

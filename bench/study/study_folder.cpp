@@ -1,5 +1,6 @@
 #include "study/study_folder.hpp"
 
+#include <algorithm>
 #include <iterator>
 #include <stdexcept>
 #include <string>
@@ -18,6 +19,7 @@ namespace {
 
 constexpr std::string_view kTrials = "trials.csv";
 constexpr std::string_view kCells = "cells.csv";
+constexpr std::string_view kLimits = "limits.csv";
 constexpr std::string_view kSummary = "summary.json";
 constexpr std::string_view kRemedy = "give the same options, another --out, or --fresh to start over";
 
@@ -26,6 +28,25 @@ std::string read_text(const fs::path& path) {
   std::string text{std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
   if (!file) throw std::runtime_error(fmt::format("{}: cannot read", path.string()));
   return text;
+}
+
+/// Calls `take` with every line of a table but the first, which must be `columns`. What it throws of bad rows comes out
+/// with the file and the line.
+template <typename Take>
+void for_each_row(const fs::path& path, std::string_view text, std::string_view columns, const Take& take) {
+  for (std::size_t number = 1; !text.empty(); ++number) {
+    const std::string_view line = text.substr(0, text.find('\n'));
+    text.remove_prefix(std::min(text.size(), line.size() + 1));
+    try {
+      if (number > 1) {
+        take(line);
+      } else if (line != columns) {
+        throw std::invalid_argument("not the header of a noise study");
+      }
+    } catch (const std::invalid_argument& error) {
+      throw std::runtime_error(fmt::format("{}:{}: {}; --fresh starts over", path.string(), number, error.what()));
+    }
+  }
 }
 
 }  // namespace
@@ -44,8 +65,8 @@ StudyFolder::StudyFolder(fs::path folder, TrialTable& table, const RunFacts& fac
 }
 
 void StudyFolder::remove_study() {
-  for (const std::string_view name :
-       {kTrials, kCells, kSummary, "recall.svg"sv, "recall.png"sv, "errors.svg"sv, "errors.png"sv}) {
+  for (const std::string_view name : {kTrials, kCells, kLimits, kSummary, "recall.svg"sv, "recall.png"sv,
+                                      "errors.svg"sv, "errors.png"sv, "map.svg"sv, "map.png"sv}) {
     fs::remove(folder_ / name);
   }
 }
@@ -64,26 +85,15 @@ void StudyFolder::resume(TrialTable& table) {
   if (!other.empty())
     throw std::runtime_error(fmt::format("{} holds another study: {}; {}", folder_.string(), other, kRemedy));
   if (fs::exists(folder_ / kTrials)) read_trials(table);
+  if (fs::exists(folder_ / kLimits)) read_limits(table.options());
 }
 
 void StudyFolder::read_trials(TrialTable& table) {
   const fs::path path = folder_ / kTrials;
   const std::string text = read_text(path);
   const std::size_t whole = text.rfind('\n') + 1;  // npos + 1 is 0: no whole line
-  std::string_view rest = std::string_view(text).substr(0, whole);
-  for (std::size_t number = 1; !rest.empty(); ++number) {
-    const std::string_view line = rest.substr(0, rest.find('\n'));
-    rest.remove_prefix(line.size() + 1);
-    try {
-      if (number > 1) {
-        table.put(parse_trial_row(line));
-      } else if (line != kTrialColumns) {
-        throw std::invalid_argument("not the header of a noise study");
-      }
-    } catch (const std::invalid_argument& error) {
-      throw std::runtime_error(fmt::format("{}:{}: {}; --fresh starts over", path.string(), number, error.what()));
-    }
-  }
+  for_each_row(path, std::string_view(text).substr(0, whole), kTrialColumns,
+               [&](std::string_view line) { table.put(parse_trial_row(line)); });
   fs::resize_file(path, whole);
 }
 
@@ -105,6 +115,26 @@ void StudyFolder::finish(const TrialTable& table, RunFacts facts) {
   facts.trials_done = table.filled();
   facts.complete = true;
   replace_file(folder_ / kSummary, summary_json(table.options(), facts));
+}
+
+void StudyFolder::read_limits(const SweepOptions& options) {
+  const fs::path path = folder_ / kLimits;
+  for_each_row(path, read_text(path), kLimitColumns, [&](std::string_view line) {
+    const LimitRecord limit = parse_limit_row(line);
+    if (limit.problems != kLimitProblems || std::ranges::count(options.sigmas, limit.sigma) == 0 ||
+        std::ranges::count(limits_, limit.sigma, &LimitRecord::sigma) != 0) {
+      throw std::invalid_argument(
+          fmt::format("noise level {} with {} problems is not of this study", limit.sigma, limit.problems));
+    }
+    limits_.push_back(limit);
+  });
+}
+
+void StudyFolder::append(const LimitRecord& limit) {
+  limits_.push_back(limit);
+  std::string text = fmt::format("{}\n", kLimitColumns);
+  for (const LimitRecord& row : limits_) text += to_csv_row(row);
+  replace_file(folder_ / kLimits, text);
 }
 
 }  // namespace consimd::study

@@ -1,48 +1,10 @@
 #include "study/trial_record.hpp"
 
-#include <charconv>
-#include <stdexcept>
-#include <system_error>
-
 #include <fmt/format.h>
 
+#include "study/csv_fields.hpp"
+
 namespace consimd::study {
-namespace {
-
-/// Takes the fields of a line from left to right.
-class FieldReader {
- public:
-  explicit FieldReader(std::string_view line) : rest_(line) {}
-
-  std::string_view text() {
-    if (exhausted_) throw std::invalid_argument("too few columns");
-    const std::size_t comma = rest_.find(',');
-    const std::string_view field = rest_.substr(0, comma);
-    exhausted_ = comma == std::string_view::npos;
-    if (!exhausted_) rest_.remove_prefix(comma + 1);
-    return field;
-  }
-
-  template <typename T>
-  T number() {
-    const std::string_view field = text();
-    T value{};
-    const char* end = field.data() + field.size();
-    const auto [rest, error] = std::from_chars(field.data(), end, value);
-    if (error != std::errc() || rest != end) throw std::invalid_argument(fmt::format("bad value '{}'", field));
-    return value;
-  }
-
-  void finish() const {
-    if (!exhausted_) throw std::invalid_argument("too many columns");
-  }
-
- private:
-  std::string_view rest_;
-  bool exhausted_ = false;
-};
-
-}  // namespace
 
 std::string to_csv_row(const TrialRecord& r) {
   return fmt::format("{},{},{},{},{},{},{:d},{},{},{},{},{},{},{},{}\n", r.solver, r.outlier_ratio, r.sigma, r.trial,
@@ -52,7 +14,7 @@ std::string to_csv_row(const TrialRecord& r) {
 }
 
 TrialRecord parse_trial_row(std::string_view line) {
-  FieldReader fields(line);
+  CsvFields fields(line);
   TrialRecord record;
   record.solver = fields.text();
   record.outlier_ratio = fields.number<double>();

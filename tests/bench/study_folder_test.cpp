@@ -15,6 +15,7 @@
 namespace consimd::study {
 namespace {
 
+using testing::AllOf;
 using testing::HasSubstr;
 using testing::ThrowsMessage;
 
@@ -127,6 +128,38 @@ TEST(StudyFolder, FreshStartsOver) {
   EXPECT_EQ(run_in(folder / "study", 2, true).filled(), 2u);
   EXPECT_EQ(lines(folder / "study/trials.csv").size(), 3u);
   EXPECT_FALSE(std::filesystem::exists(folder / "study/cells.csv"));
+}
+
+TEST(StudyFolder, KeepsLimitsUntilAFreshStart) {
+  const TemporaryFolder folder;
+  const std::vector<LimitRecord> limits = {{.sigma = 1.0, .problems = kLimitProblems, .chance_support_mean = 4.5},
+                                           {.sigma = 0.1, .problems = kLimitProblems, .chance_support_max = 3}};
+  for (const LimitRecord& limit : limits) {
+    TrialTable table(small_study());
+    StudyFolder(folder / "study", table, kFacts, false).append(limit);
+  }
+  EXPECT_EQ(lines(folder / "study/limits.csv").front(), kLimitColumns);
+  TrialTable table(small_study());
+  EXPECT_EQ(StudyFolder(folder / "study", table, kFacts, false).limits(), limits);
+  EXPECT_TRUE(StudyFolder(folder / "study", table, kFacts, true).limits().empty());
+  EXPECT_FALSE(std::filesystem::exists(folder / "study/limits.csv"));
+}
+
+TEST(StudyFolder, RefusesForeignLimits) {
+  const TemporaryFolder folder;
+  (void)run_in(folder / "study", 1000);
+  const std::string before = text_of(folder / "study/summary.json");
+  const std::string good = to_csv_row({.sigma = 1.0, .problems = kLimitProblems});
+  for (const std::string& bad : {good, to_csv_row({.sigma = 2.0, .problems = kLimitProblems}),
+                                 to_csv_row({.sigma = 0.1, .problems = kLimitProblems + 1})}) {
+    std::string table_text(kLimitColumns);
+    table_text.append("\n").append(good).append(bad);
+    write_text(folder / "study/limits.csv", table_text);
+    TrialTable table(small_study());
+    EXPECT_THAT([&] { const StudyFolder study(folder / "study", table, kFacts, false); },
+                ThrowsMessage<std::runtime_error>(AllOf(HasSubstr("limits.csv:3"), HasSubstr("not of this study"))));
+  }
+  EXPECT_EQ(text_of(folder / "study/summary.json"), before);
 }
 
 TEST(StudyFolder, RefusesForeignFiles) {
