@@ -24,7 +24,7 @@ namespace {
 
 struct Options {
   std::string file;
-  double noise_bound = 0.0;
+  std::optional<double> noise_bound;
   std::string solver = "tcf";
   std::uint64_t seed = 1;
   std::uint32_t repeat = 1;
@@ -34,9 +34,9 @@ struct Options {
 };
 
 void check(const Options& options) {
-  if (!(std::isfinite(options.noise_bound) && options.noise_bound > 0.0)) {
+  if (options.noise_bound && !(std::isfinite(*options.noise_bound) && *options.noise_bound > 0.0)) {
     throw std::invalid_argument(
-        fmt::format("--noise-bound: expected a finite length > 0, got {}", options.noise_bound));
+        fmt::format("--noise-bound: expected a finite length > 0, got {}", *options.noise_bound));
   }
   study::require_known_solver(options.solver);
   if (!options.json.empty() && options.json != "-") study::require_replaceable(options.json);
@@ -74,8 +74,9 @@ int run_register(const Options& options) {
   } else {
     study::replace_file(options.json, to_json(report));
   }
-  const bool all_found =
-      std::all_of(report.runs.begin(), report.runs.end(), [](const Registration& run) { return run.has_pose(); });
+  const bool all_found = std::all_of(report.runs.begin(), report.runs.end(), [](const Registration& run) {
+    return run.has_pose() && run.status != Status::ambiguous;
+  });
   return all_found ? kSuccess : kNoPose;
 }
 
@@ -89,12 +90,11 @@ void add_register_command(CLI::App& app, Action& run) {
                    "Text, a correspondence a line: source x y z, target x y z, separated by blanks or commas; '#' "
                    "starts a comment")
       ->required();
-  command
-      ->add_option(
-          "--noise-bound", options->noise_bound,
-          "Largest distance of a true correspondence's target from the moved source, in the file's unit; about 3 "
-          "times the noise's standard deviation")
-      ->required();
+  command->add_option(
+      "--noise-bound", options->noise_bound,
+      "Largest distance of a true correspondence's target from the moved source, in the file's unit; about 3 "
+      "times the noise's standard deviation. Estimated from the correspondences when not given, which takes some "
+      "ten times as long");
   command->add_option("--solver", options->solver, "Solver; 'consimd info' lists them")->capture_default_str();
   command->add_option("--seed", options->seed, "Seed of the first run")->check(whole_number())->capture_default_str();
   command->add_option("--repeat", options->repeat, "Runs, with seeds seed, seed + 1, ...")
@@ -106,8 +106,10 @@ void add_register_command(CLI::App& app, Action& run) {
   command->add_option("--json", options->json,
                       "Write the result as JSON to this file, or to the standard output ('-')");
   command->footer(
-      "Exit code: 0 when every run found a pose, 1 when one did not, 2 on bad usage or input.\n"
+      "Exit code: 0 when every run found a pose, 1 when one did not or left two to choose from, 2 on bad usage or "
+      "input.\n"
       "Examples:\n"
+      "  consimd register pair.txt                                           finds out how noisy it is\n"
       "  consimd register pair.txt --noise-bound 0.6                         metres, lidar clouds of 0.3 m voxels\n"
       "  consimd register pair.txt --noise-bound 0.6 --repeat 50 --truth pose.txt\n"
       "  consimd register pair.txt --noise-bound 0.6 --json -                to the next program");

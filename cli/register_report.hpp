@@ -1,6 +1,7 @@
 // What `consimd register` tells of its runs.
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -20,7 +21,7 @@ struct RegisterReport {
   std::string isa;
   int threads = 1;
   std::string solver;
-  double noise_bound = 0.0;
+  std::optional<double> noise_bound = {};  ///< none: estimated in each run
   std::vector<Registration> runs = {};
   std::vector<PoseErrors> errors = {};  ///< one per run, or none without a ground truth
 };

@@ -20,7 +20,8 @@ if(TARGET consimd_cli)
   file(RELATIVE_PATH bin_to_lib ${CMAKE_INSTALL_FULL_BINDIR} ${CMAKE_INSTALL_FULL_LIBDIR})
   set_target_properties(consimd_cli PROPERTIES INSTALL_RPATH "$ORIGIN/${bin_to_lib}")
   install(TARGETS consimd_cli)
-  install(FILES ${PROJECT_SOURCE_DIR}/bench/study/plot_sweep.py DESTINATION ${CMAKE_INSTALL_DATADIR}/consimd)
+  install(DIRECTORY ${PROJECT_SOURCE_DIR}/bench/study/ DESTINATION ${CMAKE_INSTALL_DATADIR}/consimd
+    FILES_MATCHING PATTERN "*.py")
 endif()
 
 # A static consimd::solvers leaves linking oneTBB to its user.

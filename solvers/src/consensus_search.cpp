@@ -4,10 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
-#include <numeric>
 
-#include "counter_random.hpp"
 #include "sampling.hpp"
 #include "stage_clock.hpp"
 
@@ -23,9 +20,6 @@ constexpr std::size_t kFirstWave = 2;
 // Sets and poses this much worse than the best of their round are not worth a fit.
 constexpr float kWorthFitting = 0.5F;
 constexpr float kWorthOptimising = 0.8F;
-// Random pairings searched, and the least scale of the scores' exponential tail, in supporters.
-constexpr std::uint64_t kPairings = 4;
-constexpr double kLeastTail = 0.45;
 
 bool lower_score(const PoseCandidate& a, const PoseCandidate& b) { return a.support.score < b.support.score; }
 
@@ -34,11 +28,12 @@ bool lower_score(const PoseCandidate& a, const PoseCandidate& b) { return a.supp
 ConsensusSearch::ConsensusSearch(const Correspondences& correspondences, const TcfOptions& options)
     : correspondences_(correspondences),
       options_(options),
-      sets_(correspondences, 2.0 * options.noise_bound, options.seed, options.matrix_budget_bytes) {}
+      sets_(correspondences, 2.0 * options.noise_bound, options.seed, options.matrix_budget_bytes),
+      poses_(correspondences, options.noise_bound) {}
 
 std::uint64_t ConsensusSearch::seeds_needed() const {
   const auto size = static_cast<double>(correspondences_.size());
-  const double share = best_.support.count < 3 ? 0.0 : best_.support.count / size;
+  const double share = best().support.count < 3 ? 0.0 : best().support.count / size;
   return std::min<std::uint64_t>(iterations_needed(options_.confidence, share, 1), correspondences_.size());
 }
 
@@ -47,18 +42,24 @@ bool ConsensusSearch::confident() const { return sets_.drawn() >= seeds_needed()
 void ConsensusSearch::run(bool exhaustive) {
   const std::uint64_t limit = std::min<std::uint64_t>(correspondences_.size(), options_.max_seeds);
   const auto wanted = [&] { return static_cast<std::uint32_t>(exhaustive ? limit : std::min(limit, seeds_needed())); };
+  // A seed that the best pose moves to its target would lead to that pose again.
+  const auto explained = [&](std::uint32_t row) { return poses_.explains(row); };
   for (std::uint32_t round = kFirstRound; sets_.drawn() < wanted(); round = std::min(2 * round, kLargestRound)) {
     const std::uint32_t left = wanted() - sets_.drawn();
     sets_.draw(std::min(round, left), left > kLargestRound);
-    std::span<const std::uint32_t> ranking = sets_.rank(best_.support.count);
+    std::span<const std::uint32_t> ranking = sets_.rank(support_of_interest(), explained);
     for (std::size_t wave = kFirstWave; !ranking.empty(); wave = ranking.size()) {
       wave = std::min(wave, ranking.size());
-      sets_.prune(ranking.first(wave), best_.support.count);
+      sets_.prune(ranking.first(wave), support_of_interest());
       fit_sets(ranking.first(wave));
-      if (sets_.drawn() >= wanted()) break;
-      ranking = sets_.promising(ranking.subspan(wave), best_.support.count);
+      ranking = sets_.promising(ranking.subspan(wave), support_of_interest(), explained);
     }
   }
+}
+
+// Support from which a pose may become the best or its rival.
+std::uint32_t ConsensusSearch::support_of_interest() const {
+  return static_cast<std::uint32_t>(kRivalShare * best().support.count);
 }
 
 void ConsensusSearch::fit_sets(std::span<const std::uint32_t> positions) {
@@ -74,42 +75,16 @@ void ConsensusSearch::fit_sets(std::span<const std::uint32_t> positions) {
   candidates_.resize(fitted.size());
   tbb::parallel_for(std::size_t{0}, fitted.size(), [&](std::size_t i) {
     candidates_[i] = pose_of_set(correspondences_, sets_.set(fitted[i]), options_.noise_bound, options_.seed,
-                                 sets_.drawn() + fitted[i], scratch_.local());
+                                 sets_.drawn() + fitted[i], support_of_interest(), scratch_.local());
   });
   minimal_fits_ += fitted.size() * kTriplesPerSet;
   const auto winner = std::max_element(candidates_.begin(), candidates_.end(), lower_score);
-  if (winner->support.score <= kWorthOptimising * best_.support.score) return;
-  const PoseCandidate optimised = locally_optimise(correspondences_, *winner, options_.noise_bound);
-  if (optimised.support.score <= best_.support.score) return;
-  best_ = optimised;
-  best_set_ = sets_.set(fitted[static_cast<std::size_t>(winner - candidates_.begin())]);
-}
-
-double log10_chance_of_score(const Correspondences& correspondences, const TcfOptions& options, double score) {
-  std::vector<std::uint32_t> sources(correspondences.size());
-  std::iota(sources.begin(), sources.end(), 0U);
-  std::vector<std::uint32_t> targets = sources;
-  Correspondences pairing;
-  TcfOptions chance_options = options;
-  double sum = 0.0;
-  double squares = 0.0;
-  for (std::uint64_t p = 0; p < kPairings; ++p) {
-    CounterRandom random(options.seed, RandomStage::pairing, p);
-    for (auto left = static_cast<std::uint32_t>(targets.size()); left > 1; --left) {
-      std::swap(targets[left - 1], targets[random.below(left)]);
-    }
-    pairing.assign_pairs(correspondences, sources, targets);
-    chance_options.seed = options.seed + p;
-    ConsensusSearch search(pairing, chance_options);
-    search.run(false);
-    sum += search.best().support.score;
-    squares += search.best().support.score * search.best().support.score;
+  if (winner->support.score > kWorthOptimising * best().support.score) {
+    *winner = locally_optimise(correspondences_, *winner, options_.noise_bound);
   }
-  const double mean = sum / kPairings;
-  const double deviation = std::sqrt(std::max(0.0, (squares - sum * mean) / (kPairings - 1)));
-  // Greatest values scatter by pi / sqrt 6 times the scale of their tail.
-  const double tail = std::max(kLeastTail, deviation * std::sqrt(6.0) / std::numbers::pi);
-  return std::min(0.0, (mean - score) / tail) / std::numbers::ln10;
+  for (std::size_t i = 0; i < candidates_.size(); ++i) {
+    if (poses_.offer(candidates_[i])) best_set_ = sets_.set(fitted[i]);
+  }
 }
 
 }  // namespace consimd::detail

@@ -8,10 +8,14 @@
 #include <consimd/kernels/correspondences.hpp>
 #include <consimd/solvers/tcf.hpp>
 
+#include "best_poses.hpp"
 #include "seed_sets.hpp"
 #include "set_poses.hpp"
 
 namespace consimd::detail {
+
+/// Share of the best pose's support from which another motion makes the result ambiguous.
+inline constexpr double kRivalShare = 0.8;
 
 class ConsensusSearch {
  public:
@@ -23,7 +27,10 @@ class ConsensusSearch {
   void run(bool exhaustive);
 
   /// The pose of highest score so far, locally optimised; support.count below 3: none.
-  [[nodiscard]] const PoseCandidate& best() const noexcept { return best_; }
+  [[nodiscard]] const PoseCandidate& best() const noexcept { return poses_.best(); }
+  /// The same, and the best pose that is another motion, not optimised: one with at least kRivalShare of the best
+  /// pose's support is met with about the confidence that the best one is.
+  [[nodiscard]] const BestPoses& poses() const noexcept { return poses_; }
   /// The pruned set that it came from, ascending.
   [[nodiscard]] const std::vector<std::uint32_t>& best_set() const noexcept { return best_set_; }
   /// Whether the seeds drawn suffice for the wanted confidence.
@@ -35,12 +42,13 @@ class ConsensusSearch {
 
  private:
   [[nodiscard]] std::uint64_t seeds_needed() const;
+  [[nodiscard]] std::uint32_t support_of_interest() const;
   void fit_sets(std::span<const std::uint32_t> positions);
 
   const Correspondences& correspondences_;
   const TcfOptions& options_;
   SeedSets sets_;
-  PoseCandidate best_;
+  BestPoses poses_;
   std::vector<std::uint32_t> best_set_;
   std::vector<PoseCandidate> candidates_;
   tbb::enumerable_thread_specific<PoseScratch> scratch_;

@@ -5,6 +5,7 @@
 #include <consimd/kernels/alignment_residuals.hpp>
 #include <consimd/kernels/rigid_moments.hpp>
 
+#include "fit_covariance.hpp"
 #include "option_checks.hpp"
 #include "residual_mixture.hpp"
 #include "set_poses.hpp"
@@ -19,6 +20,11 @@ constexpr double kCutoff = 2.0;
 constexpr std::uint32_t kPlainRounds = 3;
 constexpr std::uint32_t kChoosingRounds = 6;
 constexpr int kMixtureRounds = 30;
+// A bound below so many deviations of the noise hides its tails: when it is smaller by the second factor it is widened,
+// up to the third.
+constexpr double kDeviations = 3.0;
+constexpr double kTooTight = 1.6;
+constexpr double kWidest = 2.0;
 // A pose that moves by less than this share of the noise stands still.
 constexpr double kStill = 1e-3;
 
@@ -35,33 +41,33 @@ detail::ResidualHistogram histogram(const CorrespondenceView& view, const Workin
   return result;
 }
 
-}  // namespace
-
-RefinedPose refine_pose(const Correspondences& correspondences, const WorkingPose& start,
-                        const PoseRefinementOptions& options) {
-  detail::require_length("noise_bound", options.noise_bound);
-  // As far as single precision resolves, and no further than the data reach; the kernels do the same.
-  const double tau = std::clamp(options.noise_bound, 1e-9 / correspondences.scale(), 16.0 / correspondences.scale());
+RefinedPose refine_within(const Correspondences& correspondences, const WorkingPose& start, double tau,
+                          std::uint32_t max_rounds) {
   const Correspondences near =
       correspondences.subset(detail::pose_inliers(correspondences.view(), start, kNeighbourhood * tau));
   const CorrespondenceView view = near.view();
 
   RefinedPose refined;
   refined.fit.pose = from_working_pose(start);
+  RigidMoments moments{};  // that gave refined.fit
+  RobustWeight weight;     // that gave the moments
   detail::ResidualMixture mixture;
   mixture.scale = tau / 3.0;
-  for (WorkingPose pose = start; refined.rounds < options.max_rounds;) {
-    RobustWeight weight{.scale = tau, .cutoff = tau};
+  for (WorkingPose pose = start; refined.rounds < max_rounds;) {
+    RobustWeight next{.scale = tau, .cutoff = tau};
     if (refined.rounds >= kPlainRounds) {
       const detail::ResidualHistogram residuals = histogram(view, pose, kCutoff * tau);
       mixture = refined.rounds < kPlainRounds + kChoosingRounds
                     ? detail::choose_mixture(residuals, tau / 3.0, kMixtureRounds)
                     : detail::fit_mixture(residuals, mixture.exponent, mixture.scale, kMixtureRounds);
-      weight = {WeightFunction::student_uniform, mixture.scale, kCutoff * tau, mixture.odds(), mixture.exponent};
+      next = {WeightFunction::student_uniform, mixture.scale, kCutoff * tau, mixture.odds(), mixture.exponent};
     }
-    const RigidFit fit = rigid_fit(robust_moments(view, pose, weight));
+    const RigidMoments next_moments = robust_moments(view, pose, next);
+    const RigidFit fit = rigid_fit(next_moments);
     ++refined.rounds;
     if (!fit.determined()) break;
+    moments = next_moments;
+    weight = next;
     const double change = (fit.pose.matrix() - refined.fit.pose.matrix()).norm() / correspondences.scale();
     refined.fit = fit;
     pose = to_working_pose(fit.pose);
@@ -71,7 +77,24 @@ RefinedPose refine_pose(const Correspondences& correspondences, const WorkingPos
   refined.exponent = mixture.exponent;
   refined.outlier_density = mixture.outlier_density;
   refined.inliers = mixture.inliers;
+  refined.covariance = detail::fit_covariance(moments, weight, refined.fit.pose, correspondences);
   return refined;
+}
+
+}  // namespace
+
+RefinedPose refine_pose(const Correspondences& correspondences, const WorkingPose& start,
+                        const PoseRefinementOptions& options) {
+  detail::require_length("noise_bound", options.noise_bound);
+  // As far as single precision resolves, and no further than the data reach; the kernels do the same.
+  const double tau = std::clamp(options.noise_bound, 1e-9 / correspondences.scale(), 16.0 / correspondences.scale());
+  const RefinedPose refined = refine_within(correspondences, start, tau, options.max_rounds);
+  const double measured = kDeviations * refined.sigma;
+  if (!refined.fit.determined() || measured < kTooTight * tau) return refined;
+  RefinedPose wider = refine_within(correspondences, to_working_pose(refined.fit.pose),
+                                    std::min(measured, kWidest * tau), options.max_rounds);
+  wider.rounds += refined.rounds;
+  return wider.fit.determined() ? wider : refined;
 }
 
 }  // namespace consimd

@@ -10,6 +10,10 @@ namespace {
 
 constexpr std::uint32_t kMaxRounds = 50;
 constexpr std::uint32_t kSmallestDrop = 5;
+// Of a large set only this share of what its bound allows stays in a round: merits tell so well that a clique far
+// smaller than the bound survives.
+constexpr double kLargeKept = 0.5;
+constexpr std::uint32_t kLarge = 256;
 constexpr double kLaterShare = 0.6;  // of the wanted clique that must be left after the first round
 
 std::uint32_t ceil_sqrt(std::uint64_t value) {
@@ -65,7 +69,7 @@ void prune(const ConsistencyMatrix& matrix, std::vector<std::uint32_t>& members,
 
     std::uint64_t ones = 0;
     for (const std::uint32_t degree : scratch.degrees) ones += degree;
-    const std::uint32_t keep = ceil_sqrt(ones);
+    std::uint32_t keep = ceil_sqrt(ones);
     const auto size = static_cast<std::uint32_t>(members.size());
     // Of a clique the later rounds may have dropped some members already.
     const std::uint32_t least = round == 0 ? give_up_below : static_cast<std::uint32_t>(kLaterShare * give_up_below);
@@ -75,7 +79,10 @@ void prune(const ConsistencyMatrix& matrix, std::vector<std::uint32_t>& members,
     }
     if (keep >= size) break;
 
-    if (merit == Merit::excess) subtract_chance(matrix, members, scratch.degrees);
+    if (merit == Merit::excess) {
+      if (size > kLarge) keep = std::max(static_cast<std::uint32_t>(kLargeKept * keep), give_up_below);
+      subtract_chance(matrix, members, scratch.degrees);
+    }
     Cut cut = cut_for(scratch.degrees, keep, scratch.histogram);
     std::size_t kept = 0;
     for (std::size_t i = 0; i < members.size(); ++i) {

@@ -29,8 +29,9 @@ struct PruneScratch {
 
 /// Shrinks `members` (rows of `matrix`, ascending) in rounds: with E the number of consistent ordered pairs within the
 /// set, self pairs counted, only the m = ceil(sqrt(E)) members of highest merit stay (ties: the lower
-/// row), until a round drops fewer than five or 50 rounds are done. m bounds the size of any clique in the set: when it
-/// shows that there is none of `give_up_below` members, `members` comes back empty.
+/// row), until a round drops fewer than five or 50 rounds are done; by excess, only half as many of a large set. m
+/// bounds the size of any clique in the set: when it shows that there is none of `give_up_below` members, `members`
+/// comes back empty.
 void prune(const ConsistencyMatrix& matrix, std::vector<std::uint32_t>& members, std::uint32_t give_up_below,
            Merit merit, PruneScratch& scratch);
 

@@ -12,6 +12,8 @@ std::string_view to_string(Status status) noexcept {
       return "no_consensus";
     case Status::degenerate_geometry:
       return "degenerate_geometry";
+    case Status::ambiguous:
+      return "ambiguous";
     case Status::budget_exhausted:
       return "budget_exhausted";
   }

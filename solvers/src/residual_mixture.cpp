@@ -9,6 +9,8 @@ namespace {
 
 // Gain in log-likelihood that a heavier tail must bring, so that chance does not make a Gaussian one heavy.
 constexpr double kMargin = 2.0;
+// A scale that changes by less than this share in a round stands still.
+constexpr double kStill = 1e-4;
 // Least scale, as a share of the cutoff. A few chance coincidences of small residual must not pass for the whole noise.
 constexpr double kLeastScale = 1.0 / 12.0;
 
@@ -62,9 +64,11 @@ ResidualMixture fit_mixture(const ResidualHistogram& histogram, std::uint32_t ex
       if (last) mixture.log_likelihood += histogram.counts[b] * std::log(density * volume[b]) - density * volume[b];
     }
     if (last) break;
+    const double former = mixture.scale;
     mixture.inliers = std::max(inliers, 1.0);
     mixture.outlier_density = (outliers + 0.5) / ball(histogram.cutoff);
     mixture.scale = std::max(std::sqrt(spread / (3.0 * mixture.inliers)), kLeastScale * histogram.cutoff);
+    if (std::abs(mixture.scale - former) < kStill * former) rounds = std::min(rounds, round + 1);
   }
   return mixture;
 }

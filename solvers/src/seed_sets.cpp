@@ -3,6 +3,7 @@
 #include <oneapi/tbb/parallel_for.h>
 
 #include <algorithm>
+#include <iterator>
 #include <numeric>
 
 #include <consimd/kernels/length_consistency.hpp>
@@ -98,7 +99,7 @@ float SeedSets::clique_estimate(std::uint32_t position, Scratch& scratch) const 
   return static_cast<float>(best) * static_cast<float>(scratch.members.size()) / static_cast<float>(sampled);
 }
 
-std::span<const std::uint32_t> SeedSets::rank(std::uint32_t support_to_beat) {
+std::span<const std::uint32_t> SeedSets::rank(std::uint32_t support_to_beat, const Skip& skip) {
   const StageClock clock(two_point_seconds_);
   const auto count = static_cast<std::uint32_t>(round_.size());
   estimates_.assign(count, 0.0F);
@@ -108,7 +109,7 @@ std::span<const std::uint32_t> SeedSets::rank(std::uint32_t support_to_beat) {
     for (std::uint32_t h = r.begin(); h < r.end(); ++h) {
       // Supporters of a pose within the noise bound are pairwise consistent: the set holds the clique or is too small
       // for it.
-      if (counts_[h] < 3 || counts_[h] <= support_to_beat) continue;
+      if (counts_[h] < 3 || counts_[h] <= support_to_beat || skip(round_[h])) continue;
       estimates_[h] = sample ? clique_estimate(h, scratch) : static_cast<float>(counts_[h]);
     }
   });
@@ -125,12 +126,14 @@ std::span<const std::uint32_t> SeedSets::rank(std::uint32_t support_to_beat) {
 }
 
 std::span<const std::uint32_t> SeedSets::promising(std::span<const std::uint32_t> ranking,
-                                                   std::uint32_t support_to_beat) const {
+                                                   std::uint32_t support_to_beat, const Skip& skip) {
   const float least = kSupportSlack * static_cast<float>(support_to_beat);
-  while (!ranking.empty() && (estimates_[ranking.back()] < least || counts_[ranking.back()] <= support_to_beat)) {
-    ranking = ranking.first(ranking.size() - 1);
-  }
-  return ranking;
+  promising_.clear();
+  std::copy_if(ranking.begin(), ranking.end(), std::back_inserter(promising_), [&](std::uint32_t h) {
+    return estimates_[h] >= least && counts_[h] > support_to_beat && !skip(round_[h]);
+  });
+  ranking_.swap(promising_);
+  return ranking_;
 }
 
 void SeedSets::prune(std::span<const std::uint32_t> positions, std::uint32_t support_to_beat) {

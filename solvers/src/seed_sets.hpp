@@ -4,6 +4,7 @@
 #include <oneapi/tbb/enumerable_thread_specific.h>
 
 #include <cstdint>
+#include <functional>
 #include <span>
 #include <vector>
 
@@ -26,13 +27,17 @@ class SeedSets {
   /// matrix of all correspondences pays where sets are dense.
   void draw(std::uint32_t count, bool dense_work);
 
-  /// Positions in the round, most promising first, of the seeds whose sets may hold a clique of more than
-  /// `support_to_beat`.
-  [[nodiscard]] std::span<const std::uint32_t> rank(std::uint32_t support_to_beat);
+  /// Whether a seed, a row, need not be looked at.
+  using Skip = std::function<bool(std::uint32_t)>;
 
-  /// The leading part of `ranking` (from `rank`) that still promises more than `support_to_beat`.
+  /// Positions in the round, most promising first, of the seeds whose sets may hold a clique of more than
+  /// `support_to_beat`, without those to skip.
+  [[nodiscard]] std::span<const std::uint32_t> rank(std::uint32_t support_to_beat, const Skip& skip);
+
+  /// Of `ranking` (a tail of what `rank` gave), what still promises more than `support_to_beat` and need not be
+  /// skipped.
   [[nodiscard]] std::span<const std::uint32_t> promising(std::span<const std::uint32_t> ranking,
-                                                         std::uint32_t support_to_beat) const;
+                                                         std::uint32_t support_to_beat, const Skip& skip);
 
   /// Prunes the sets of the given positions of the round, in parallel; sets that turn out too small come back empty.
   void prune(std::span<const std::uint32_t> positions, std::uint32_t support_to_beat);
@@ -70,6 +75,7 @@ class SeedSets {
   std::vector<std::uint32_t> counts_;
   std::vector<float> estimates_;
   std::vector<std::uint32_t> ranking_;
+  std::vector<std::uint32_t> promising_;
   std::vector<std::vector<std::uint32_t>> sets_;
   tbb::enumerable_thread_specific<Scratch> scratch_;
   std::size_t largest_raw_set_ = 0;

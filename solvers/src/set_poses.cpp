@@ -14,6 +14,12 @@
 namespace consimd::detail {
 namespace {
 
+// The first triples of a set. The others are tried if these give a score within the set of some share of its size and
+// of the support to beat, and are not needed once half of the set agrees.
+constexpr std::uint32_t kFirstTriples = 48;
+constexpr float kPromisingShare = 0.07F;
+constexpr float kSupportShare = 0.3F;
+constexpr float kEnoughShare = 0.5F;
 // Bounds of the refits, in noise bounds: wide first, since the start may be off by more than the noise.
 constexpr std::array kLocalBounds{1.5, 1.25, 1.0, 1.0, 1.0};
 
@@ -24,18 +30,31 @@ RigidFit truncated_fit(const CorrespondenceView& view, const WorkingPose& pose, 
 }  // namespace
 
 PoseCandidate pose_of_set(const Correspondences& correspondences, const std::vector<std::uint32_t>& set,
-                          double noise_bound, std::uint64_t seed, std::uint64_t hypothesis, PoseScratch& scratch) {
+                          double noise_bound, std::uint64_t seed, std::uint64_t hypothesis,
+                          std::uint32_t support_to_beat, PoseScratch& scratch) {
   scratch.subset.assign_subset(correspondences, set);
   const CorrespondenceView subset = scratch.subset.view();
   CounterRandom random(seed, RandomStage::three_point, hypothesis);
   scratch.triples.resize(kTriplesPerSet);
-  for (IndexTriple& triple : scratch.triples) triple = draw_triple(random, static_cast<std::uint32_t>(set.size()));
   scratch.poses.resize(kTriplesPerSet);
   scratch.support.resize(kTriplesPerSet);
-  three_point_fits(subset, scratch.triples, scratch.poses);
-  alignment_scores(subset, scratch.poses, noise_bound, scratch.support);
-  const auto best = std::max_element(scratch.support.begin(), scratch.support.end(),
-                                     [](const PoseSupport& a, const PoseSupport& b) { return a.score < b.score; });
+  const auto best_of = [&](std::size_t first, std::size_t count) {
+    const std::span<IndexTriple> triples = std::span(scratch.triples).subspan(first, count);
+    for (IndexTriple& triple : triples) triple = draw_triple(random, static_cast<std::uint32_t>(set.size()));
+    const std::span<WorkingPose> poses = std::span(scratch.poses).subspan(first, count);
+    const std::span<PoseSupport> support = std::span(scratch.support).subspan(first, count);
+    three_point_fits(subset, triples, poses);
+    alignment_scores(subset, poses, noise_bound, support);
+    const auto end = scratch.support.begin() + static_cast<std::ptrdiff_t>(first + count);
+    return std::ranges::max_element(scratch.support.begin(), end, {}, &PoseSupport::score);
+  };
+  auto best = best_of(0, kFirstTriples);
+  const float promising =
+      std::max(kPromisingShare * static_cast<float>(set.size()), kSupportShare * static_cast<float>(support_to_beat));
+  if (best->score < promising) return {};
+  if (best->score < kEnoughShare * static_cast<float>(set.size())) {
+    best = best_of(kFirstTriples, kTriplesPerSet - kFirstTriples);
+  }
 
   const WorkingPose minimal = scratch.poses[static_cast<std::size_t>(best - scratch.support.begin())];
   std::array<WorkingPose, 2> poses{minimal, minimal};

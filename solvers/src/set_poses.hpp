@@ -15,7 +15,7 @@ struct PoseCandidate {
   PoseSupport support{};
 };
 
-/// Minimal fits drawn from each set.
+/// Minimal fits drawn from each set, at most.
 inline constexpr std::uint32_t kTriplesPerSet = 160;
 
 /// Scratch of `pose_of_set`, kept between calls.
@@ -28,9 +28,11 @@ struct PoseScratch {
 
 /// The best of `kTriplesPerSet` minimal fits to `set` (rows of `correspondences`, at least three) by their score within
 /// the set, and its refit to the members it aligns; whichever of the two has the better score among all
-/// correspondences. `hypothesis` keys the draws. Its support is zero when the set determines no pose.
+/// correspondences. `hypothesis` keys the draws. Its support is zero when the set determines no
+/// pose, or when the first fits show that there is none of `support_to_beat`.
 PoseCandidate pose_of_set(const Correspondences& correspondences, const std::vector<std::uint32_t>& set,
-                          double noise_bound, std::uint64_t seed, std::uint64_t hypothesis, PoseScratch& scratch);
+                          double noise_bound, std::uint64_t seed, std::uint64_t hypothesis,
+                          std::uint32_t support_to_beat, PoseScratch& scratch);
 
 /// Refits `start` to the correspondences within a bound that shrinks to `noise_bound`, and returns the pose of best
 /// score met on the way.

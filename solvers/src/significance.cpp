@@ -5,116 +5,47 @@
 #include <cmath>
 #include <limits>
 #include <numbers>
+#include <span>
 #include <vector>
 
 #include <consimd/kernels/alignment_residuals.hpp>
 
-#include "counter_random.hpp"
 #include "option_checks.hpp"
-#include "sampling.hpp"
+#include "pairing_chances.hpp"
+#include "points.hpp"
 #include "set_poses.hpp"
 
 namespace consimd {
 namespace {
 
 constexpr std::array kBounds{1.0, 0.7, 0.5, 0.35};  // in noise bounds
-constexpr std::uint32_t kShifts = 32;               // mismatched pairings of all correspondences
-constexpr std::uint32_t kLengthSamples = 1024;
-constexpr std::size_t kSmall = 8 * kBlock;  // up to here correspondences are shifted row by row
-constexpr std::size_t kLooked = 64;         // supporters whose neighbours are looked at
+constexpr double kBeyondDoubt = -30.0;              // ln of false poses at which no smaller bound is tried
+constexpr std::size_t kLooked = 192;                // supporters that are told apart
+// Supporters closer than this may be one cluster of sources that matches one of targets, in bounds.
+constexpr double kClusterRadius = 1.75;
 
-struct Point {
-  float x, y, z;
+// Supporters whose sources are further apart than a radius.
+struct Independent {
+  double count = 0.0;
+  double share = 1.0;   // of the supporters looked at
+  double looked = 1.0;  // share of the supporters that were
 };
 
-Point source(const CorrespondenceView& view, std::size_t k) {
-  return {view.source(0)[k], view.source(1)[k], view.source(2)[k]};
-}
-Point target(const CorrespondenceView& view, std::size_t k) {
-  return {view.target(0)[k], view.target(1)[k], view.target(2)[k]};
-}
-
-double distance(const Point& a, const Point& b) {
-  const double x = a.x - b.x;
-  const double y = a.y - b.y;
-  const double z = a.z - b.z;
-  return std::sqrt(x * x + y * y + z * z);
-}
-
-Point moved(const WorkingPose& pose, const Point& p) {
-  const float* r = pose.rotation;
-  const float* t = pose.translation;
-  return {r[0] * p.x + r[1] * p.y + r[2] * p.z + t[0], r[3] * p.x + r[4] * p.y + r[5] * p.z + t[1],
-          r[6] * p.x + r[7] * p.y + r[8] * p.z + t[2]};
-}
-
-// Laplace's estimate of a chance that gave `hits` in `trials`.
-double chance(double hits, double trials) { return (hits + 1.0) / (trials + 2.0); }
-
-// Chance that the pose takes a source within `bound` of the target of any other correspondence.
-double pose_chance(const CorrespondenceView& view, const WorkingPose& pose, double bound) {
-  const std::size_t size = view.size();
-  double hits = 0.0;
-  double trials = 0.0;
-  if (size <= kSmall) {
-    const double limit = bound * view.scale();
-    const std::size_t step = std::max<std::size_t>(1, (size - 1) / kShifts);
-    for (std::size_t shift = 1; shift < size; shift += step) {
-      for (std::size_t i = 0; i < size; ++i) {
-        hits += distance(moved(pose, source(view, i)), target(view, (i + shift) % size)) < limit ? 1.0 : 0.0;
-      }
-      trials += static_cast<double>(size);
-    }
-    return chance(hits, trials);
+Independent independent_supporters(const CorrespondenceView& view, std::span<const std::uint32_t> supporters,
+                                   double radius) {
+  if (supporters.empty()) return {};
+  const double limit = radius * view.scale();
+  const std::size_t looked = std::min(supporters.size(), kLooked);
+  std::vector<detail::Point> kept;
+  kept.reserve(looked);
+  for (std::size_t s = 0; s < looked; ++s) {
+    const detail::Point p = detail::source_point(view, supporters[s * supporters.size() / looked]);
+    const bool repeats = std::ranges::any_of(kept, [&](const detail::Point& q) { return distance(p, q) < limit; });
+    if (!repeats) kept.push_back(p);
   }
-  const auto blocks = static_cast<std::uint32_t>((size - 1) / kBlock);
-  const std::uint32_t used = std::min(kShifts, blocks);
-  std::vector<std::uint32_t> shifts(used);
-  std::vector<std::uint32_t> counts(used);
-  for (std::uint32_t s = 0; s < used; ++s) shifts[s] = 1 + s * blocks / used;
-  mismatched_counts(view, pose, bound, shifts, counts);
-  for (std::uint32_t s = 0; s < used; ++s) {
-    hits += counts[s];
-    trials += static_cast<double>(mismatched_pairs(view, shifts[s]));
-  }
-  return chance(hits, trials);
-}
-
-// Share of `supporters` whose source is further than the bound from that of the supporters before it in the order of
-// one axis. Estimated from a sample.
-double independent_share(const CorrespondenceView& view, std::vector<std::uint32_t> supporters, double bound) {
-  const float* x = view.source(0);
-  std::sort(supporters.begin(), supporters.end(), [x](std::uint32_t a, std::uint32_t b) { return x[a] < x[b]; });
-  const double limit = bound * view.scale();
-  const std::size_t step = std::max<std::size_t>(1, supporters.size() / kLooked);
-  std::size_t looked = 0;
-  std::size_t kept = 0;
-  for (std::size_t s = 0; s < supporters.size(); s += step) {
-    const Point p = source(view, supporters[s]);
-    bool repeats = false;
-    for (std::size_t before = s; before-- > 0 && !repeats && p.x - x[supporters[before]] < limit;) {
-      repeats = distance(p, source(view, supporters[before])) < limit;
-    }
-    ++looked;
-    kept += repeats ? 0 : 1;
-  }
-  return looked > 0 ? static_cast<double>(kept) / static_cast<double>(looked) : 1.0;
-}
-
-// Differences between the lengths of random source pairs and random other target pairs, working frame.
-std::vector<double> length_differences(const CorrespondenceView& view, std::uint64_t seed) {
-  const auto size = static_cast<std::uint32_t>(view.size());
-  std::vector<double> differences;
-  differences.reserve(kLengthSamples);
-  for (std::uint32_t s = 0; s < kLengthSamples; ++s) {
-    detail::CounterRandom random(seed, detail::RandomStage::background, s);
-    const IndexPair from = detail::draw_pair(random, size);
-    const IndexPair to = detail::draw_pair(random, size);
-    if (from.first == to.first || from.second == to.second) continue;
-    differences.push_back(std::abs(distance(source(view, from.first), source(view, from.second)) -
-                                   distance(target(view, to.first), target(view, to.second))));
-  }
-  return differences;
+  const auto count = static_cast<double>(kept.size());
+  return {count, count / static_cast<double>(looked),
+          static_cast<double>(looked) / static_cast<double>(supporters.size())};
 }
 
 // ln P[Binomial(n, p) >= k], k above the mean, by the exponential bound of Chernoff with the factor of Bahadur and Rao.
@@ -132,6 +63,22 @@ double log_binomial_tail(double n, double k, double p) {
 // ln of the number of triples of n, which need not be whole.
 double log_triples(double n) { return std::log(std::max(n * (n - 1.0) * (n - 2.0) / 6.0, 1.0)); }
 
+// Chance of support that the correspondences just outside the bound tell of: their number in the shell from one to two
+// bounds over its volume in balls of one.
+double near_miss_chance(const CorrespondenceView& view, const WorkingPose& pose, double bound, std::size_t supporters) {
+  std::uint32_t within_two = 0;
+  alignment_counts(view, std::span(&pose, 1), 2.0 * bound, std::span(&within_two, 1));
+  const double shell = static_cast<double>(within_two) - static_cast<double>(supporters);
+  return (shell + 1.0) / (7.0 * static_cast<double>(view.size()));
+}
+
+// ln of the number of false poses that `supporters` leave.
+double log_false_poses(double size, const Independent& supporters, double length_chance, double supporter_chance) {
+  const double trials = supporters.looked * size - 3.0;
+  const double tail = trials > 0.0 ? log_binomial_tail(trials, supporters.count - 3.0, supporter_chance) : 0.0;
+  return log_triples(size) - log_triples(supporters.count) + 3.0 * std::log(length_chance) + tail;
+}
+
 }  // namespace
 
 Significance significance(const Correspondences& correspondences, const WorkingPose& pose, double noise_bound,
@@ -141,23 +88,23 @@ Significance significance(const Correspondences& correspondences, const WorkingP
   const auto size = static_cast<double>(view.size());
   Significance result;
   if (size < 3.0) return result;
-  const std::vector<double> differences = length_differences(view, seed);
-  double least = log_triples(size);
+  const std::vector<std::uint32_t> explained = detail::pose_inliers(view, pose, noise_bound);
+  const detail::LengthChance length_chance(view, explained, seed);
+  double least = std::numeric_limits<double>::infinity();
   for (const double share : kBounds) {
     const double bound = share * noise_bound;
-    const std::vector<std::uint32_t> rows = detail::pose_inliers(view, pose, bound);
-    const double independent = independent_share(view, rows, bound);
-    if (share == kBounds.front()) result.independent_share = independent;
-    const double supporters = independent * static_cast<double>(rows.size());
-    if (supporters < 3.0) continue;
-    const auto consistent = std::count_if(differences.begin(), differences.end(),
-                                          [&](double difference) { return difference < 2.0 * bound * view.scale(); });
-    const double length_chance = chance(static_cast<double>(consistent), static_cast<double>(differences.size()));
-    const double tail =
-        size > 3.0 ? log_binomial_tail(size - 3.0, supporters - 3.0, pose_chance(view, pose, bound)) : 0.0;
-    least = std::min(least, log_triples(size) - log_triples(supporters) + 3.0 * std::log(length_chance) + tail);
+    const std::vector<std::uint32_t> rows = share == 1.0 ? explained : detail::pose_inliers(view, pose, bound);
+    if (share == kBounds.front()) result.independent_share = independent_supporters(view, rows, bound).share;
+    const Independent supporters = independent_supporters(view, rows, kClusterRadius * bound);
+    if (supporters.count < 3.0) continue;
+    const double by_any = detail::pose_chance(view, pose, bound);
+    const double by_neighbour = supporters.share * near_miss_chance(view, pose, bound, rows.size());
+    least =
+        std::min(least, log_false_poses(size, supporters, length_chance(2.0 * bound), std::max(by_any, by_neighbour)));
+    if (least < kBeyondDoubt) break;
   }
-  result.log10_false_poses = (least + std::log(static_cast<double>(kBounds.size()))) / std::numbers::ln10;
+  const double log = std::min(least, log_triples(size)) + std::log(static_cast<double>(kBounds.size()));
+  result.log10_false_poses = log / std::numbers::ln10;
   return result;
 }
 

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <iterator>
 #include <limits>
+#include <optional>
 #include <span>
 #include <stdexcept>
 #include <string>
@@ -121,6 +122,11 @@ class Generator {
         decoy_motion_(motion()),
         scene_turn_(motions_.rotation()) {
     if (options_.scene == Scene::volume) scene_turn_.setIdentity();
+    if (options_.symmetric) {
+      half_turn_ = scene_turn_ * Eigen::DiagonalMatrix<double, 3>(1.0, -1.0, -1.0) * scene_turn_.transpose();
+      decoy_motion_ = true_motion_;
+      decoy_motion_.linear() *= half_turn_;
+    }
   }
 
   Problem generate() {
@@ -145,7 +151,12 @@ class Generator {
     return pose;
   }
 
-  Eigen::Vector3d scene_point() { return scene_turn_ * points_.in_box(scene_); }
+  Eigen::Vector3d scene_point() {
+    if (image_) return *std::exchange(image_, std::nullopt);
+    const Eigen::Vector3d point = scene_turn_ * points_.in_box(scene_);
+    if (options_.symmetric) image_ = half_turn_ * point;
+    return point;
+  }
   Eigen::Vector3d cube_point() { return outliers_.in_box(cube_); }
 
   Row moved(const RigidTransform& by, bool is_inlier) {
@@ -254,9 +265,13 @@ class Generator {
       append(problem.target, row.target, target_offset);
       problem.is_inlier.push_back(row.is_inlier ? 1 : 0);
     }
-    problem.T_target_source = true_motion_;
-    problem.T_target_source.translation() =
-        options_.units_per_metre * (true_motion_.translation() + target_offset - true_motion_.linear() * source_offset);
+    const auto in_frame_of_rows = [&](RigidTransform pose) {
+      pose.translation() =
+          options_.units_per_metre * (pose.translation() + target_offset - pose.linear() * source_offset);
+      return pose;
+    };
+    problem.T_target_source = in_frame_of_rows(true_motion_);
+    problem.decoy_T_target_source = in_frame_of_rows(decoy_motion_);
     problem.sigma = options_.units_per_metre * options_.sigma;
     return problem;
   }
@@ -276,6 +291,8 @@ class Generator {
   RandomStream motions_, points_, noise_, outliers_, order_;
   RigidTransform true_motion_, decoy_motion_;
   Eigen::Matrix3d scene_turn_;
+  Eigen::Matrix3d half_turn_ = Eigen::Matrix3d::Identity();  ///< that maps a symmetric scene to itself
+  std::optional<Eigen::Vector3d> image_;                     ///< of the last scene point, if it is the next one
   std::vector<Row> rows_;
 };
 

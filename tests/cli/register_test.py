@@ -1,6 +1,7 @@
 """consimd register."""
 
 import json
+import math
 import subprocess
 import unittest
 
@@ -39,12 +40,20 @@ class Register(CommandTest):
         for run in result["runs"]:
             self.assertEqual(
                 list(run),
-                ["seed", "status", "T_target_source", "inlier_count", "inliers", "seconds", "stages",
+                ["seed", "status", "T_target_source", "covariance", "inlier_count", "inliers", "seconds", "stages",
                  "rotation_error_deg", "translation_error"],
             )
             self.assertEqual(run["status"], "success")
             self.assertEqual([len(row) for row in run["T_target_source"]], [4] * 4)
             self.assertEqual(run["T_target_source"][3], [0, 0, 0, 1])
+            covariance = run["covariance"]
+            self.assertEqual([len(row) for row in covariance], [6] * 6)
+            self.assertEqual(covariance, [list(column) for column in zip(*covariance)])
+            deviations = [math.sqrt(covariance[k][k]) for k in range(6)]
+            self.assertLess(run["rotation_error_deg"], 4 * math.degrees(math.hypot(*deviations[:3])))
+            self.assertLess(run["translation_error"], 4 * math.hypot(*deviations[3:]))
+            self.assertLess(math.degrees(max(deviations[:3])), 0.1)
+            self.assertLess(max(deviations[3:]), 0.1)
             self.assertEqual(run["inlier_count"], len(run["inliers"]))
             self.assertEqual(run["inliers"], sorted(set(run["inliers"])))
             self.assertLess(run["rotation_error_deg"], 0.1)
@@ -79,7 +88,7 @@ class Register(CommandTest):
     def test_report(self):
         file = self.problem()
         single = self.run_command("register", file, "--noise-bound", 0.3, "--truth", "p/pose.txt")
-        for text in ["success (seed 1)", "T_target_source", " deg", " ms", "within 0.3", "stage"]:
+        for text in ["success (seed 1)", "deviation", "T_target_source", " deg", " ms", "within 0.3", "stage"]:
             self.assertIn(text, single)
         several = self.run_command("register", file, "--noise-bound", 0.3, "--repeat", 4)
         self.assertIn("4 (seeds 1 to 4), 4 with a pose", several)
@@ -104,6 +113,7 @@ class Register(CommandTest):
             for run in result["runs"]:
                 self.assertEqual(run["status"], "degenerate_geometry")
                 self.assertEqual(run["T_target_source"], [[1, 0, 0, 0], [0, 1, 0, 0], [0, 0, 1, 0], [0, 0, 0, 1]])
+                self.assertEqual(run["covariance"], [[0] * 6] * 6)
                 self.assertEqual(run["inliers"], [])
             command = ["register", file, "--noise-bound", 0.1]
             self.assertIn("degenerate_geometry", self.run_command(*command, code=1))

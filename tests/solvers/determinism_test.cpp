@@ -27,6 +27,7 @@ std::vector<std::uint64_t> bits_of(const Registration& result) {
   for (Eigen::Index i = 0; i < 16; ++i) {
     bits.push_back(std::bit_cast<std::uint64_t>(result.T_target_source.matrix()(i / 4, i % 4)));
   }
+  for (const double x : result.covariance.reshaped()) bits.push_back(std::bit_cast<std::uint64_t>(x));
   bits.insert(bits.end(), result.inliers.begin(), result.inliers.end());
   for (const StageReport& stage : result.stages) {
     bits.insert(bits.end(), {stage.input, stage.output, stage.iterations});

@@ -157,8 +157,11 @@ inline void expect_sound(const Registration& result, const Problem& problem, dou
     expect_rows_within(result.inliers, problem, result.T_target_source, noise_bound);
   } else {
     EXPECT_EQ(result.T_target_source.matrix(), Eigen::Matrix4d::Identity());
+    EXPECT_TRUE(result.covariance.isZero(0.0)) << result.covariance;
     EXPECT_TRUE(result.inliers.empty());
   }
+  EXPECT_TRUE(result.covariance.allFinite()) << result.covariance;
+  EXPECT_EQ(result.covariance, result.covariance.transpose());
   EXPECT_EQ(result.noise_bound, noise_bound);
   EXPECT_EQ(result.consistency_bound, 2.0 * noise_bound);
   EXPECT_EQ(result.isa, active_isa());

@@ -190,6 +190,46 @@ TEST(HardProblem, DecoyTakesItsShareOfTheInliersNumber) {
   }
 }
 
+TEST(HardProblem, DecoysFollowTheMotionThatIsReported) {
+  const Problem problem = hard_problem({.correspondences = 300,
+                                        .outlier_ratio = 0.5,
+                                        .sigma = 0.01,
+                                        .decoy_share = 1.0,
+                                        .source_offset = {5e3, -3e2, 120.0},
+                                        .target_offset = {-1e2, 4e3, 0.0},
+                                        .units_per_metre = 1000.0});
+  for (std::size_t k = 0; k < problem.size(); ++k) {
+    const Eigen::Vector3d by_decoy = problem.decoy_T_target_source * vector(problem.source, k);
+    EXPECT_EQ((vector(problem.target, k) - by_decoy).norm() < 100.0, problem.is_inlier[k] == 0);
+  }
+}
+
+TEST(HardProblem, SymmetricScenesAreTheirOwnImage) {
+  for (const Scene scene : {Scene::volume, Scene::planar, Scene::linear}) {
+    for (const double share : {0.0, 0.6, 1.0}) {
+      const Problem problem = hard_problem({.correspondences = 200,
+                                            .outlier_ratio = 0.5,
+                                            .sigma = 0.0,
+                                            .scene = scene,
+                                            .thickness = 20.0,
+                                            .decoy_share = share,
+                                            .symmetric = true});
+      const RigidTransform turn = problem.T_target_source.inverse() * problem.decoy_T_target_source;
+      EXPECT_NEAR(rotation_error_deg(turn, RigidTransform::Identity()), 180.0, 1e-9);
+      EXPECT_LT(turn.translation().norm(), 1e-9);
+      std::size_t images = 0, decoys = 0;
+      for (std::size_t k = 0; k < problem.size(); ++k) {
+        const Eigen::Vector3d image = turn * vector(problem.source, k);
+        for (std::size_t j = 0; j < problem.size(); ++j) images += (vector(problem.source, j) - image).norm() < 1e-9;
+        decoys += (vector(problem.target, k) - problem.T_target_source * image).norm() < 1e-9;
+      }
+      EXPECT_EQ(images, 200u);
+      EXPECT_EQ(inlier_count(problem), 100u);
+      EXPECT_EQ(decoys, static_cast<std::size_t>(100.0 * share));
+    }
+  }
+}
+
 TEST(HardProblem, ScenesHaveTheirShape) {
   const double cube = 100.0 / std::sqrt(3.0);
   const auto deviations = [](Scene scene, double thickness) {

@@ -3,6 +3,7 @@
 
 #include <consimd/kernels/correspondences.hpp>
 #include <consimd/kernels/rigid_fit.hpp>
+#include <consimd/solvers/pose_covariance.hpp>
 
 namespace consimd {
 
@@ -19,6 +20,7 @@ struct RefinedPose {
   double outlier_density = 0.0;  ///< outliers per unit volume around a predicted target, caller's unit^-3
   double inliers = 0.0;          ///< expected number of inliers
   std::uint32_t rounds = 0;      ///< fits made
+  PoseCovariance covariance = PoseCovariance::Zero();  ///< caller's frame and unit; zero if `fit` is not determined
 };
 
 /// Maximum likelihood for inliers with Gaussian or heavier-tailed residuals among locally uniform outliers. Each round

@@ -3,12 +3,14 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
 
 #include <consimd/kernels/isa.hpp>
 #include <consimd/kernels/rigid_fit.hpp>
+#include <consimd/solvers/pose_covariance.hpp>
 
 namespace consimd {
 
@@ -18,6 +20,7 @@ enum class Status : std::uint8_t {
   too_few_correspondences,  ///< fewer than three
   no_consensus,             ///< no pose has more support than chance gives
   degenerate_geometry,      ///< the supporters do not determine a pose: coincident, or on a line
+  ambiguous,                ///< another motion has about as much support; see Registration::runner_up
   budget_exhausted,         ///< the iteration budget ended before the wanted confidence; the best pose so far is given
 };
 
@@ -33,16 +36,30 @@ struct StageReport {
   double seconds = 0.0;
 };
 
+/// The best-supported pose that is another motion than the one returned.
+struct RunnerUp {
+  RigidTransform T_target_source = RigidTransform::Identity();
+  std::size_t support = 0;         ///< correspondences within the noise bound of it
+  double log10_false_poses = 0.0;  ///< as in Registration
+};
+
 struct Registration {
   Status status = Status::no_consensus;
-  /// Maps source points to the target frame, in the caller's units. The identity unless status is success or
-  /// budget_exhausted.
+  /// Maps source points to the target frame, in the caller's units. The identity unless status is success,
+  /// ambiguous or budget_exhausted.
   RigidTransform T_target_source = RigidTransform::Identity();
+  /// Of the pose's error (theta, dt), rotation in rad before translation in the caller's unit, target frame (see
+  /// pose_covariance.hpp), for a pose near the true one; whether it is, the significance tells. Zero when there is no
+  /// pose, and from tcf-published, which does not estimate it.
+  PoseCovariance covariance = PoseCovariance::Zero();
   /// Rows within `noise_bound` of the pose, ascending. Empty when there is no pose.
   std::vector<std::uint32_t> inliers;
   /// log10 of the number of equally supported poses expected by chance (see significance.hpp); 0 when no pose was
   /// found. Success needs it below the solver's limit.
   double log10_false_poses = 0.0;
+  /// Of the poses met on the way; with four fifths of the support or more, one is met as surely as the best. Two rigid
+  /// motions, or an object that is its own image when turned, show here.
+  std::optional<RunnerUp> runner_up;
   std::vector<StageReport> stages;
   double seconds = 0.0;  ///< wall time of the whole registration
 
@@ -54,7 +71,7 @@ struct Registration {
   double consistency_bound = 0.0;  ///< bound on pairwise length differences, 2 tau
 
   [[nodiscard]] bool has_pose() const noexcept {
-    return status == Status::success || status == Status::budget_exhausted;
+    return status == Status::success || status == Status::ambiguous || status == Status::budget_exhausted;
   }
 };
 

@@ -20,12 +20,13 @@ struct Significance {
 /// With N correspondences and k independent supporters,
 ///   false poses = C(N, 3) d^3 / C(k, 3) * P[Binomial(N - 3, c) >= k - 3]:
 /// minimal samples that are pairwise consistent, over those that one and the same pose is found from, times the tail of
-/// the further support. Both chances are measured on mismatched pairs of the same data, so that the shape of the scene
-/// counts: d, that two correspondences are length consistent; c, that the pose takes a source to the target of another
-/// correspondence. Tested at noise_bound and three smaller bounds, since supporters of a true pose crowd at small
-/// residuals; the least is returned, times the number of bounds. It does not account for local refinement, which gives
-/// the best of many poses a few supporters more than chance gives one: values between about -6 and 0 need a second look
-/// (see `chance_score` of the solver). pose: working frame. Throws std::invalid_argument on a bad bound.
+/// the further support. The chances are measured on the data, so that the shape of the scene counts: d, that two
+/// correspondences are length consistent; c, that the pose takes a source to the target of another correspondence.
+/// Clusters of sources that are matched to clusters of targets must not pass for many supporters: those within 1.75
+/// bounds of one another count once, and c is at least what the number of near misses, residuals of one to two bounds,
+/// lets expect. Tested at noise_bound and down to a third of it, since supporters of a true pose crowd at small
+/// residuals; the least is returned, times the number of bounds. Smaller bounds are left out once no doubt is left.
+/// pose: working frame. Throws std::invalid_argument on a bad bound.
 [[nodiscard]] Significance significance(const Correspondences& correspondences, const WorkingPose& pose,
                                         double noise_bound, std::uint64_t seed);
 

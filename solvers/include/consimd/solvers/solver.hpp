@@ -1,6 +1,7 @@
 // All solvers behind one call, by name: what the command line and the noise study use.
 #pragma once
 
+#include <optional>
 #include <span>
 #include <string_view>
 
@@ -19,7 +20,9 @@ struct SolverInfo {
 
 /// Options that every solver has; the rest are its own defaults.
 struct SolverOptions {
-  double noise_bound = 0.0;  ///< largest residual of an inlier, caller's unit; finite and > 0
+  /// Largest residual of an inlier, caller's unit; finite and > 0. Estimated from the correspondences when not given
+  /// (see noise_bound.hpp); Registration::noise_bound tells what was used.
+  std::optional<double> noise_bound;
   std::uint64_t seed = 1;
 };
 

@@ -12,12 +12,15 @@ struct TcfOptions {
   double noise_bound = 0.0;
   std::uint64_t seed = 1;
   /// Probability that a seed of the pose with the largest support has been drawn when the search stops.
-  double confidence = 0.999;
+  double confidence = 0.99;
   /// Seeds drawn at most; when they end before the confidence is reached the status is budget_exhausted.
   std::uint32_t max_seeds = 10'000;
   /// Memory for the pairwise consistency matrix of all correspondences. It is built where the consensus sets are dense
   /// and it fits; elsewhere the matrices of the sets themselves are.
   std::size_t matrix_budget_bytes = std::size_t{64} << 20;
+  /// Noise bounds that the given one was chosen from by looking at the data, >= 1: their number counts in the
+  /// significance.
+  std::uint32_t bounds_tried = 1;
   /// Algorithms 1 to 4 of the paper to the letter instead, for comparison; see `as_published`.
   bool published = false;
 

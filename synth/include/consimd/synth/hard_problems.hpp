@@ -58,6 +58,9 @@ struct HardProblemOptions {
   std::size_t matches_per_point = 3;  ///< >= 2; one_to_many and many_to_many
   double decoy_share = 0.0;  ///< >= 0; this share of the inliers' number, rounded, is taken from the outliers to
                              ///< follow a second rigid motion with the inliers' noise
+  /// The scene is its own image under a half turn about its first axis: points come in pairs, and decoys are matches
+  /// with the counterpart of a point's image, so their motion is the true one after the half turn.
+  bool symmetric = false;
 
   NoiseModel noise = NoiseModel::gaussian;
   unsigned degrees_of_freedom = 3;  ///< >= 3, where the deviation is finite; student_t

@@ -1,0 +1,23 @@
+// The covariance of a robust fit.
+#pragma once
+
+#include <consimd/kernels/correspondences.hpp>
+#include <consimd/kernels/rigid_fit.hpp>
+#include <consimd/solvers/pose_covariance.hpp>
+
+namespace consimd::detail {
+
+/// Covariance, in the caller's frame and unit, of the fit to `moments` = robust_moments(., ., weight) of
+/// correspondences in the working frame of `frame`. `pose`: that fit, working frame. Zero if the moments have no
+/// weight.
+///
+/// The sandwich A^-1 B A^-1 of an M-estimator (Huber 1967), for isotropic residuals that do not depend on the position:
+/// both A and B are multiples of the weighted normal matrix. The observed mean square of the residuals scales B; what
+/// the weights do to A and B, where inliers and outliers cannot be told apart or tails are heavy, is taken from the
+/// mixture that student_uniform weights are the posterior of (its cutoff at most a dozen scales). Other weights count
+/// as plain least squares. With a total weight of w, 3 w residuals share six fitted parameters: the result is the
+/// covariance of the Student distribution that the pose then has, 3 w / (3 w - 8) times the maximum-likelihood one.
+PoseCovariance fit_covariance(const RigidMoments& moments, const RobustWeight& weight, const RigidTransform& pose,
+                              const Correspondences& frame);
+
+}  // namespace consimd::detail

@@ -1,0 +1,80 @@
+#include "pairing_chances.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include <consimd/kernels/alignment_residuals.hpp>
+
+#include "counter_random.hpp"
+#include "points.hpp"
+#include "sampling.hpp"
+
+namespace consimd::detail {
+namespace {
+
+constexpr std::uint32_t kShifts = 32;  // mismatched pairings of all correspondences
+constexpr std::uint32_t kLengthSamples = 1024;
+constexpr std::size_t kSmall = 8 * kBlock;  // up to here correspondences are shifted row by row
+
+double share_below(const std::vector<double>& values, double bound) {
+  const auto hits = std::ranges::count_if(values, [bound](double value) { return value < bound; });
+  return chance(static_cast<double>(hits), static_cast<double>(values.size()));
+}
+
+}  // namespace
+
+double pose_chance(const CorrespondenceView& view, const WorkingPose& pose, double bound) {
+  const std::size_t size = view.size();
+  double hits = 0.0;
+  double trials = 0.0;
+  if (size <= kSmall) {
+    const double limit = bound * view.scale();
+    const std::size_t step = std::max<std::size_t>(1, (size - 1) / kShifts);
+    for (std::size_t shift = 1; shift < size; shift += step) {
+      for (std::size_t i = 0; i < size; ++i) {
+        hits +=
+            distance(moved(pose, source_point(view, i)), target_point(view, (i + shift) % size)) < limit ? 1.0 : 0.0;
+      }
+      trials += static_cast<double>(size);
+    }
+    return chance(hits, trials);
+  }
+  const auto blocks = static_cast<std::uint32_t>((size - 1) / kBlock);
+  const std::uint32_t used = std::min(kShifts, blocks);
+  std::vector<std::uint32_t> shifts(used);
+  std::vector<std::uint32_t> counts(used);
+  for (std::uint32_t s = 0; s < used; ++s) shifts[s] = 1 + s * blocks / used;
+  mismatched_counts(view, pose, bound, shifts, counts);
+  for (std::uint32_t s = 0; s < used; ++s) {
+    hits += counts[s];
+    trials += static_cast<double>(mismatched_pairs(view, shifts[s]));
+  }
+  return chance(hits, trials);
+}
+
+LengthChance::LengthChance(const CorrespondenceView& view, std::span<const std::uint32_t> explained,
+                           std::uint64_t seed)
+    : scale_(view.scale()) {
+  const auto size = static_cast<std::uint32_t>(view.size());
+  const auto is_explained = [&](std::uint32_t row) { return std::ranges::binary_search(explained, row); };
+  own_.reserve(kLengthSamples);
+  mismatched_.reserve(kLengthSamples);
+  for (std::uint32_t s = 0; s < kLengthSamples; ++s) {
+    CounterRandom random(seed, RandomStage::background, s);
+    const IndexPair from = draw_pair(random, size);
+    const IndexPair to = draw_pair(random, size);
+    const double length = distance(source_point(view, from.first), source_point(view, from.second));
+    own_.push_back(is_explained(from.first) && is_explained(from.second)
+                       ? std::numeric_limits<double>::infinity()
+                       : std::abs(length - distance(target_point(view, from.first), target_point(view, from.second))));
+    if (from.first == to.first || from.second == to.second) continue;
+    mismatched_.push_back(std::abs(length - distance(target_point(view, to.first), target_point(view, to.second))));
+  }
+}
+
+double LengthChance::operator()(double bound) const {
+  return std::max(share_below(own_, bound * scale_), share_below(mismatched_, bound * scale_));
+}
+
+}  // namespace consimd::detail

@@ -1,0 +1,35 @@
+// What pairing sources and targets at random would give, measured on the correspondences at hand.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include <consimd/kernels/correspondences.hpp>
+#include <consimd/kernels/kernel_data.hpp>
+
+namespace consimd::detail {
+
+/// Laplace's estimate of a chance that gave `hits` in `trials`.
+inline double chance(double hits, double trials) { return (hits + 1.0) / (trials + 2.0); }
+
+/// Chance that the pose takes a source within `bound` (caller's unit) of the target of any other correspondence.
+double pose_chance(const CorrespondenceView& view, const WorkingPose& pose, double bound);
+
+/// Chance that two correspondences agree in length.
+class LengthChance {
+ public:
+  /// `explained`, ascending: rows whose agreement with one another is what the chance is held against.
+  LengthChance(const CorrespondenceView& view, std::span<const std::uint32_t> explained, std::uint64_t seed);
+
+  /// Within `bound`, caller's unit: the larger of the shares among mismatched pairs and, but for those between rows
+  /// that are explained, among pairs as they are.
+  [[nodiscard]] double operator()(double bound) const;
+
+ private:
+  double scale_;
+  std::vector<double> own_;         // differences of lengths, working frame
+  std::vector<double> mismatched_;  // the same
+};
+
+}  // namespace consimd::detail
