@@ -26,6 +26,7 @@ struct Residual {
 
 template <typename Arch>
 struct AlignmentTest {
+  static constexpr bool kFitTogether = false;
   AlignmentTest(const RawView&, const WorkingPose& pose, float bound) : residual(pose), squared(bound * bound) {}
 
   Mask<Arch> operator()(const Vec3<Arch>& p, const Vec3<Arch>& q) const { return residual(p, q) < squared; }

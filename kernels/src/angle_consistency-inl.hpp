@@ -8,6 +8,7 @@ namespace consimd::detail {
 /// Names as in scalar.cpp and angle_consistency.hpp.
 template <typename Arch>
 struct AngleTest {
+  static constexpr bool kFitTogether = false;
   static constexpr float kLift = 0x1p40f;
 
   AngleTest(const RawView& view, IndexPair pair, float bound)

@@ -1,6 +1,6 @@
 // Runs a consensus test, one per hypothesis, over all correspondences. A test is a functor built from a hypothesis;
 // given the source and target points of as many correspondences as a register holds, it returns the mask of those that
-// pass. Points of NaN must fail.
+// pass. Points of NaN must fail. Its kFitTogether tells whether two of them at once are faster.
 #pragma once
 
 #include "kernel_table.hpp"
@@ -8,14 +8,32 @@
 
 namespace consimd::detail {
 
-/// Bits of the 64 correspondences from `begin` on.
-template <typename Arch, typename Test>
-inline std::uint64_t test_word(const RawView& view, const Test& test, std::size_t begin) {
-  std::uint64_t word = 0;
+/// words[h] = bits of the 64 correspondences from `begin` on that pass tests[h]. What is loaded serves all tests.
+template <typename Arch, std::size_t kTests, typename Test>
+inline void test_words(const RawView& view, const Test (&tests)[kTests], std::size_t begin,
+                       std::uint64_t (&words)[kTests]) {
+  for (std::size_t h = 0; h < kTests; ++h) words[h] = 0;
   for (std::size_t k = 0; k < 64; k += kWidth<Arch>) {
-    word |= bitmask(test(load<Arch>(view.source, begin + k), load<Arch>(view.target, begin + k))) << k;
+    const Vec3<Arch> source = load<Arch>(view.source, begin + k);
+    const Vec3<Arch> target = load<Arch>(view.target, begin + k);
+    for (std::size_t h = 0; h < kTests; ++h) words[h] |= bitmask(tests[h](source, target)) << k;
   }
-  return word;
+}
+
+/// counts[h] += passes of tests[h] in words [begin, end); row h of `bits`, unless null, tells which.
+template <typename Arch, std::size_t kTests, typename Test>
+inline void run_tests(const RawView& view, const Test (&tests)[kTests], std::size_t begin, std::size_t end,
+                      std::uint64_t* bits, std::uint32_t* counts) {
+  std::uint32_t passes[kTests] = {};
+  for (std::size_t w = begin; w < end; ++w) {
+    std::uint64_t words[kTests];
+    test_words<Arch>(view, tests, w * 64, words);
+    for (std::size_t h = 0; h < kTests; ++h) {
+      passes[h] += popcount<Arch>(words[h]);
+      if (bits != nullptr) bits[h * (view.padded / 64) + w] = words[h];
+    }
+  }
+  for (std::size_t h = 0; h < kTests; ++h) counts[h] += passes[h];
 }
 
 /// counts[h] = passes of Test(view, hypotheses[h], bound); row h of `bits`, unless null, tells which.
@@ -28,15 +46,17 @@ void run_consensus(const RawView& view, const Hypothesis* hypotheses, std::size_
   for (std::size_t h = 0; h < n; ++h) counts[h] = 0;
   for (std::size_t begin = 0; begin < words; begin += kBlockWords) {
     const std::size_t end = begin + kBlockWords < words ? begin + kBlockWords : words;
-    for (std::size_t h = 0; h < n; ++h) {
-      const Test test(view, hypotheses[h], bound);
-      std::uint32_t count = 0;
-      for (std::size_t w = begin; w < end; ++w) {
-        const std::uint64_t word = test_word<Arch>(view, test, w * 64);
-        count += popcount<Arch>(word);
-        if (bits != nullptr) bits[h * words + w] = word;
+    const auto row = [&](std::size_t h) { return bits == nullptr ? nullptr : bits + h * words; };
+    std::size_t h = 0;
+    if constexpr (Test::kFitTogether) {
+      for (; h + 2 <= n; h += 2) {
+        const Test tests[] = {{view, hypotheses[h], bound}, {view, hypotheses[h + 1], bound}};
+        run_tests<Arch>(view, tests, begin, end, row(h), counts + h);
       }
-      counts[h] += count;
+    }
+    for (; h < n; ++h) {
+      const Test test[] = {{view, hypotheses[h], bound}};
+      run_tests<Arch>(view, test, begin, end, row(h), counts + h);
     }
   }
 }

@@ -62,13 +62,14 @@ void consistency_matrix(const RawView& view, float bound, std::uint64_t* bits, s
         BitTiles& tiles = square[row_word - top];
         const std::size_t first = left == top ? row_word : left;
         for (std::size_t i = row_word * 64; i < end_of(row_word * 64, 64, size); ++i) {
-          const LengthTest<Arch> test(view, static_cast<std::uint32_t>(i), bound);
+          const LengthTest<Arch> test[] = {{view, static_cast<std::uint32_t>(i), bound}};
           std::uint32_t degree = 0;
           for (std::size_t word = first; word < right; ++word) {
-            const std::uint64_t consistent = test_word<Arch>(view, test, word * 64);
-            bits[i * words + word] = consistent;
-            tiles.rows[i % 64][word - left] = consistent;
-            degree += popcount<Arch>(consistent);
+            std::uint64_t consistent[1];
+            test_words<Arch>(view, test, word * 64, consistent);
+            bits[i * words + word] = consistent[0];
+            tiles.rows[i % 64][word - left] = consistent[0];
+            degree += popcount<Arch>(consistent[0]);
           }
           degrees[i] += degree;
         }

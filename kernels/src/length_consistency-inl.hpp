@@ -7,6 +7,7 @@ namespace consimd::detail {
 
 template <typename Arch>
 struct LengthTest {
+  static constexpr bool kFitTogether = true;
   LengthTest(const RawView& view, std::uint32_t seed, float bound)
       : p(broadcast<Arch>(view.source, seed)),
         q(broadcast<Arch>(view.target, seed)),
