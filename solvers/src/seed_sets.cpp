@@ -24,6 +24,8 @@ constexpr std::size_t kPartners = 16;
 // Estimates scatter: sets down to these shares of the best estimate, and of the support to beat, are kept.
 constexpr float kSlack = 0.5F;
 constexpr float kSupportSlack = 0.8F;
+// Sets whose estimate does not exceed the usual one, the median so far, by this factor look like those of outliers.
+constexpr float kUnusual = 1.25F;
 
 // Keeps `count` members at even distances.
 void thin(std::vector<std::uint32_t>& members, std::size_t count) {
@@ -114,6 +116,14 @@ std::span<const std::uint32_t> SeedSets::rank(std::uint32_t support_to_beat, con
     }
   });
   largest_raw_set_ = std::max<std::size_t>(largest_raw_set_, *std::max_element(counts_.begin(), counts_.end()));
+  usual_estimate_ = 0.0F;
+  if (sample) {
+    std::copy_if(estimates_.begin(), estimates_.end(), std::back_inserter(all_estimates_),
+                 [](float estimate) { return estimate > 0.0F; });
+    const auto middle = all_estimates_.begin() + static_cast<std::ptrdiff_t>(all_estimates_.size() / 2);
+    std::nth_element(all_estimates_.begin(), middle, all_estimates_.end());
+    if (middle != all_estimates_.end()) usual_estimate_ = *middle;
+  }
   const float best = *std::max_element(estimates_.begin(), estimates_.end());
   const float least = std::max({kSlack * best, kSupportSlack * static_cast<float>(support_to_beat), 3.0F});
   ranking_.clear();
@@ -127,7 +137,7 @@ std::span<const std::uint32_t> SeedSets::rank(std::uint32_t support_to_beat, con
 
 std::span<const std::uint32_t> SeedSets::promising(std::span<const std::uint32_t> ranking,
                                                    std::uint32_t support_to_beat, const Skip& skip) {
-  const float least = kSupportSlack * static_cast<float>(support_to_beat);
+  const float least = std::max(kSupportSlack * static_cast<float>(support_to_beat), kUnusual * usual_estimate_);
   promising_.clear();
   std::copy_if(ranking.begin(), ranking.end(), std::back_inserter(promising_), [&](std::uint32_t h) {
     return estimates_[h] >= least && counts_[h] > support_to_beat && !skip(round_[h]);

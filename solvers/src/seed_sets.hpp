@@ -74,6 +74,8 @@ class SeedSets {
   std::vector<std::uint64_t> bits_;       // rows of the round's seeds, when there is no matrix
   std::vector<std::uint32_t> counts_;
   std::vector<float> estimates_;
+  std::vector<float> all_estimates_;  // of all rounds, in no order
+  float usual_estimate_ = 0.0F;       // their median; 0 where sets are not sampled
   std::vector<std::uint32_t> ranking_;
   std::vector<std::uint32_t> promising_;
   std::vector<std::vector<std::uint32_t>> sets_;
