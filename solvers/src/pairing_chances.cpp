@@ -13,8 +13,6 @@
 namespace consimd::detail {
 namespace {
 
-constexpr std::uint32_t kShifts = 32;  // mismatched pairings of all correspondences
-constexpr std::uint32_t kLengthSamples = 1024;
 constexpr std::size_t kSmall = 8 * kBlock;  // up to here correspondences are shifted row by row
 
 double share_below(const std::vector<double>& values, double bound) {
@@ -24,13 +22,13 @@ double share_below(const std::vector<double>& values, double bound) {
 
 }  // namespace
 
-double pose_chance(const CorrespondenceView& view, const WorkingPose& pose, double bound) {
+double pose_chance(const CorrespondenceView& view, const WorkingPose& pose, double bound, std::uint32_t shifts) {
   const std::size_t size = view.size();
   double hits = 0.0;
   double trials = 0.0;
   if (size <= kSmall) {
     const double limit = bound * view.scale();
-    const std::size_t step = std::max<std::size_t>(1, (size - 1) / kShifts);
+    const std::size_t step = std::max<std::size_t>(1, (size - 1) / shifts);
     for (std::size_t shift = 1; shift < size; shift += step) {
       for (std::size_t i = 0; i < size; ++i) {
         hits +=
@@ -41,26 +39,26 @@ double pose_chance(const CorrespondenceView& view, const WorkingPose& pose, doub
     return chance(hits, trials);
   }
   const auto blocks = static_cast<std::uint32_t>((size - 1) / kBlock);
-  const std::uint32_t used = std::min(kShifts, blocks);
-  std::vector<std::uint32_t> shifts(used);
+  const std::uint32_t used = std::min(shifts, blocks);
+  std::vector<std::uint32_t> offsets(used);
   std::vector<std::uint32_t> counts(used);
-  for (std::uint32_t s = 0; s < used; ++s) shifts[s] = 1 + s * blocks / used;
-  mismatched_counts(view, pose, bound, shifts, counts);
+  for (std::uint32_t s = 0; s < used; ++s) offsets[s] = 1 + s * blocks / used;
+  mismatched_counts(view, pose, bound, offsets, counts);
   for (std::uint32_t s = 0; s < used; ++s) {
     hits += counts[s];
-    trials += static_cast<double>(mismatched_pairs(view, shifts[s]));
+    trials += static_cast<double>(mismatched_pairs(view, offsets[s]));
   }
   return chance(hits, trials);
 }
 
 LengthChance::LengthChance(const CorrespondenceView& view, std::span<const std::uint32_t> explained,
-                           std::uint64_t seed)
+                           std::uint32_t pairs, std::uint64_t seed)
     : scale_(view.scale()) {
   const auto size = static_cast<std::uint32_t>(view.size());
   const auto is_explained = [&](std::uint32_t row) { return std::ranges::binary_search(explained, row); };
-  own_.reserve(kLengthSamples);
-  mismatched_.reserve(kLengthSamples);
-  for (std::uint32_t s = 0; s < kLengthSamples; ++s) {
+  own_.reserve(pairs);
+  mismatched_.reserve(pairs);
+  for (std::uint32_t s = 0; s < pairs; ++s) {
     CounterRandom random(seed, RandomStage::background, s);
     const IndexPair from = draw_pair(random, size);
     const IndexPair to = draw_pair(random, size);

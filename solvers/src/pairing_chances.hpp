@@ -13,14 +13,16 @@ namespace consimd::detail {
 /// Laplace's estimate of a chance that gave `hits` in `trials`.
 inline double chance(double hits, double trials) { return (hits + 1.0) / (trials + 2.0); }
 
-/// Chance that the pose takes a source within `bound` (caller's unit) of the target of any other correspondence.
-double pose_chance(const CorrespondenceView& view, const WorkingPose& pose, double bound);
+/// Chance that the pose takes a source within `bound` (caller's unit) of the target of any other correspondence, from
+/// `shifts` pairings of all of them, or fewer where there are not as many.
+double pose_chance(const CorrespondenceView& view, const WorkingPose& pose, double bound, std::uint32_t shifts);
 
-/// Chance that two correspondences agree in length.
+/// Chance that two correspondences agree in length, from as many `pairs` drawn.
 class LengthChance {
  public:
   /// `explained`, ascending: rows whose agreement with one another is what the chance is held against.
-  LengthChance(const CorrespondenceView& view, std::span<const std::uint32_t> explained, std::uint64_t seed);
+  LengthChance(const CorrespondenceView& view, std::span<const std::uint32_t> explained, std::uint32_t pairs,
+               std::uint64_t seed);
 
   /// Within `bound`, caller's unit: the larger of the shares among mismatched pairs and, but for those between rows
   /// that are explained, among pairs as they are.

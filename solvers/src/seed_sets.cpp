@@ -16,8 +16,10 @@ namespace {
 
 // Share of all pairs that are consistent from which the matrix of all correspondences beats one matrix per set.
 constexpr double kDense = 0.12;
-// Largest set whose own matrix is built; larger ones are thinned evenly.
-constexpr std::size_t kLargestSet = 256;
+// Largest set, after the second point, whose own matrix is built; larger ones are thinned evenly.
+constexpr std::size_t kLargestSet = 160;
+// Larger sets are reduced by a second point.
+constexpr std::uint32_t kTwoPoint = 96;
 // A set is sampled with this many members, of which this many are tried as the second point.
 constexpr std::size_t kSample = kBlock;
 constexpr std::size_t kPartners = 16;
@@ -82,29 +84,32 @@ void SeedSets::draw(std::uint32_t count, bool dense_work) {
   });
 }
 
-// Size of the largest clique through the seed, guessed from a sample of its set: the best partner's consensus within
-// it. A two-point hypothesis (seed, partner) drawn and scored at the price of a few hundred pairs.
-float SeedSets::clique_estimate(std::uint32_t position, Scratch& scratch) const {
+// A two-point hypothesis (seed, partner) for the price of a few hundred pairs: the largest clique through the seed is
+// guessed from a sample of its set, as the best partner's consensus within it.
+SeedSets::Guess SeedSets::guess(std::uint32_t position, Scratch& scratch) const {
   members_of(row(position), scratch.members);
   scratch.sampled = scratch.members;
   std::erase(scratch.sampled, round_[position]);  // the seed agrees with all of its set and would tell nothing
   thin(scratch.sampled, kSample);
   scratch.sample.assign_subset(correspondences_, scratch.sampled);
   const std::size_t sampled = scratch.sampled.size();
-  scratch.sampled.resize(std::min(sampled, kPartners));
-  for (std::size_t i = 0; i < scratch.sampled.size(); ++i) {
-    scratch.sampled[i] = static_cast<std::uint32_t>(i * sampled / scratch.sampled.size());
+  scratch.partners.resize(std::min(sampled, kPartners));
+  for (std::size_t i = 0; i < scratch.partners.size(); ++i) {
+    scratch.partners[i] = static_cast<std::uint32_t>(i * sampled / scratch.partners.size());
   }
-  scratch.counts.resize(scratch.sampled.size());
-  length_consistency_counts(scratch.sample.view(), scratch.sampled, bound_, scratch.counts);
-  const std::uint32_t best = *std::max_element(scratch.counts.begin(), scratch.counts.end());
-  return static_cast<float>(best) * static_cast<float>(scratch.members.size()) / static_cast<float>(sampled);
+  scratch.counts.resize(scratch.partners.size());
+  length_consistency_counts(scratch.sample.view(), scratch.partners, bound_, scratch.counts);
+  const auto best = std::max_element(scratch.counts.begin(), scratch.counts.end());
+  const std::uint32_t partner = scratch.partners[static_cast<std::size_t>(best - scratch.counts.begin())];
+  return {static_cast<float>(*best) * static_cast<float>(scratch.members.size()) / static_cast<float>(sampled),
+          scratch.sampled[partner]};
 }
 
 std::span<const std::uint32_t> SeedSets::rank(std::uint32_t support_to_beat, const Skip& skip) {
   const StageClock clock(two_point_seconds_);
   const auto count = static_cast<std::uint32_t>(round_.size());
   estimates_.assign(count, 0.0F);
+  partners_.resize(count);
   const bool sample = matrix_.size() == 0;  // dense sets look alike in a sample
   tbb::parallel_for(tbb::blocked_range<std::uint32_t>(0, count, 4), [&](const tbb::blocked_range<std::uint32_t>& r) {
     Scratch& scratch = scratch_.local();
@@ -112,7 +117,13 @@ std::span<const std::uint32_t> SeedSets::rank(std::uint32_t support_to_beat, con
       // Supporters of a pose within the noise bound are pairwise consistent: the set holds the clique or is too small
       // for it.
       if (counts_[h] < 3 || counts_[h] <= support_to_beat || skip(round_[h])) continue;
-      estimates_[h] = sample ? clique_estimate(h, scratch) : static_cast<float>(counts_[h]);
+      if (sample) {
+        const Guess best = guess(h, scratch);
+        estimates_[h] = best.clique;
+        partners_[h] = best.partner;
+      } else {
+        estimates_[h] = static_cast<float>(counts_[h]);
+      }
     }
   });
   largest_raw_set_ = std::max<std::size_t>(largest_raw_set_, *std::max_element(counts_.begin(), counts_.end()));
@@ -152,11 +163,22 @@ void SeedSets::prune(std::span<const std::uint32_t> positions, std::uint32_t sup
   tbb::parallel_for(std::size_t{0}, positions.size(), [&](std::size_t i) {
     Scratch& scratch = scratch_.local();
     std::vector<std::uint32_t>& set = sets_[positions[i]];
-    members_of(row(positions[i]), set);
     if (matrix_.size() != 0) {
+      members_of(row(positions[i]), set);
       detail::prune(matrix_, set, wanted, Merit::excess, scratch.matrix_prune);
       return;
     }
+    const std::span<const std::uint64_t> of_seed = row(positions[i]);
+    scratch.bits.assign(of_seed.begin(), of_seed.end());
+    if (counts_[positions[i]] > kTwoPoint) {
+      scratch.partner_bits.resize(of_seed.size());
+      std::uint32_t count = 0;
+      length_consistency_bits(correspondences_.view(), std::span(&partners_[positions[i]], 1), bound_,
+                              scratch.partner_bits, std::span(&count, 1));
+      std::transform(of_seed.begin(), of_seed.end(), scratch.partner_bits.begin(), scratch.bits.begin(),
+                     std::bit_and<>());
+    }
+    members_of(scratch.bits, set);
     const std::size_t size = set.size();
     thin(set, kLargestSet);
     // A thinned set holds its share of the clique, more or less.

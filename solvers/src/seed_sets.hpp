@@ -57,11 +57,19 @@ class SeedSets {
     Correspondences sample;
     std::vector<std::uint32_t> members;
     std::vector<std::uint32_t> sampled;
+    std::vector<std::uint32_t> partners;
+    std::vector<std::uint64_t> bits;
+    std::vector<std::uint64_t> partner_bits;
     std::vector<std::uint32_t> counts;
   };
 
+  struct Guess {
+    float clique;           // size of the largest clique through the seed
+    std::uint32_t partner;  // row that tells
+  };
+
   [[nodiscard]] std::span<const std::uint64_t> row(std::uint32_t position) const;
-  [[nodiscard]] float clique_estimate(std::uint32_t position, Scratch& scratch) const;
+  [[nodiscard]] Guess guess(std::uint32_t position, Scratch& scratch) const;
 
   const Correspondences& correspondences_;
   double bound_;
@@ -74,6 +82,7 @@ class SeedSets {
   std::vector<std::uint64_t> bits_;       // rows of the round's seeds, when there is no matrix
   std::vector<std::uint32_t> counts_;
   std::vector<float> estimates_;
+  std::vector<std::uint32_t> partners_;
   std::vector<float> all_estimates_;  // of all rounds, in no order
   float usual_estimate_ = 0.0F;       // their median; 0 where sets are not sampled
   std::vector<std::uint32_t> ranking_;

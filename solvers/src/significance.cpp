@@ -19,8 +19,16 @@ namespace consimd {
 namespace {
 
 constexpr std::array kBounds{1.0, 0.7, 0.5, 0.35};  // in noise bounds
-constexpr double kBeyondDoubt = -30.0;              // ln of false poses at which no smaller bound is tried
-constexpr std::size_t kLooked = 192;                // supporters that are told apart
+constexpr double kBeyondDoubt = -30.0;              // ln of false poses at which nothing more is tried
+
+// How closely is looked: a glance settles most cases.
+struct Effort {
+  std::size_t supporters;  // that are told apart
+  std::uint32_t pairs;     // whose lengths are compared
+  std::uint32_t shifts;    // mismatched pairings of all correspondences
+};
+constexpr std::array kEfforts{Effort{64, 256, 8}, Effort{192, 1024, 32}};
+
 // Supporters closer than this may be one cluster of sources that matches one of targets, in bounds.
 constexpr double kClusterRadius = 1.75;
 
@@ -32,10 +40,10 @@ struct Independent {
 };
 
 Independent independent_supporters(const CorrespondenceView& view, std::span<const std::uint32_t> supporters,
-                                   double radius) {
+                                   double radius, std::size_t most) {
   if (supporters.empty()) return {};
   const double limit = radius * view.scale();
-  const std::size_t looked = std::min(supporters.size(), kLooked);
+  const std::size_t looked = std::min(supporters.size(), most);
   std::vector<detail::Point> kept;
   kept.reserve(looked);
   for (std::size_t s = 0; s < looked; ++s) {
@@ -79,32 +87,43 @@ double log_false_poses(double size, const Independent& supporters, double length
   return log_triples(size) - log_triples(supporters.count) + 3.0 * std::log(length_chance) + tail;
 }
 
+// ln of the number of false poses, at the most telling bound.
+double least_log_false_poses(const CorrespondenceView& view, const WorkingPose& pose, double noise_bound,
+                             std::span<const std::uint32_t> explained, std::uint64_t seed, const Effort& effort) {
+  const auto size = static_cast<double>(view.size());
+  const detail::LengthChance length_chance(view, explained, effort.pairs, seed);
+  double least = log_triples(size);
+  for (const double share : kBounds) {
+    const double bound = share * noise_bound;
+    const std::vector<std::uint32_t> rows =
+        share == 1.0 ? std::vector(explained.begin(), explained.end()) : detail::pose_inliers(view, pose, bound);
+    const Independent supporters = independent_supporters(view, rows, kClusterRadius * bound, effort.supporters);
+    if (supporters.count < 3.0) continue;
+    const double by_any = detail::pose_chance(view, pose, bound, effort.shifts);
+    const double by_neighbour = supporters.share * near_miss_chance(view, pose, bound, rows.size());
+    least =
+        std::min(least, log_false_poses(size, supporters, length_chance(2.0 * bound), std::max(by_any, by_neighbour)));
+    if (least < kBeyondDoubt) break;
+  }
+  return least;
+}
+
 }  // namespace
 
 Significance significance(const Correspondences& correspondences, const WorkingPose& pose, double noise_bound,
                           std::uint64_t seed) {
   detail::require_length("noise_bound", noise_bound);
   const CorrespondenceView view = correspondences.view();
-  const auto size = static_cast<double>(view.size());
   Significance result;
-  if (size < 3.0) return result;
+  if (view.size() < 3) return result;
   const std::vector<std::uint32_t> explained = detail::pose_inliers(view, pose, noise_bound);
-  const detail::LengthChance length_chance(view, explained, seed);
-  double least = std::numeric_limits<double>::infinity();
-  for (const double share : kBounds) {
-    const double bound = share * noise_bound;
-    const std::vector<std::uint32_t> rows = share == 1.0 ? explained : detail::pose_inliers(view, pose, bound);
-    if (share == kBounds.front()) result.independent_share = independent_supporters(view, rows, bound).share;
-    const Independent supporters = independent_supporters(view, rows, kClusterRadius * bound);
-    if (supporters.count < 3.0) continue;
-    const double by_any = detail::pose_chance(view, pose, bound);
-    const double by_neighbour = supporters.share * near_miss_chance(view, pose, bound, rows.size());
-    least =
-        std::min(least, log_false_poses(size, supporters, length_chance(2.0 * bound), std::max(by_any, by_neighbour)));
+  double least = 0.0;
+  for (const Effort& effort : kEfforts) {
+    least = least_log_false_poses(view, pose, noise_bound, explained, seed, effort);
     if (least < kBeyondDoubt) break;
   }
-  const double log = std::min(least, log_triples(size)) + std::log(static_cast<double>(kBounds.size()));
-  result.log10_false_poses = log / std::numbers::ln10;
+  result.independent_share = independent_supporters(view, explained, noise_bound, kEfforts.front().supporters).share;
+  result.log10_false_poses = (least + std::log(static_cast<double>(kBounds.size()))) / std::numbers::ln10;
   return result;
 }
 
