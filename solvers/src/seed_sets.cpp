@@ -14,8 +14,11 @@
 namespace consimd::detail {
 namespace {
 
-// Share of all pairs that are consistent from which the matrix of all correspondences beats one matrix per set.
-constexpr double kDense = 0.12;
+// Share of all pairs that are consistent from which samples of sets tell too little, and the matrix of all
+// correspondences is better than one matrix per set; after many seeds less will do.
+constexpr double kDense = 0.15;
+constexpr double kDenseLater = 0.085;
+constexpr std::uint32_t kManySeeds = 100;
 // Largest set, after the second point, whose own matrix is built; larger ones are thinned evenly.
 constexpr std::size_t kLargestSet = 160;
 // Larger sets are reduced by a second point.
@@ -65,7 +68,8 @@ void SeedSets::draw(std::uint32_t count, bool dense_work) {
   }
   if (matrix_.size() == 0 && dense_work && !counts_.empty()) {
     const double ones = static_cast<double>(std::accumulate(counts_.begin(), counts_.end(), std::uint64_t{0}));
-    const bool dense = ones > kDense * static_cast<double>(counts_.size()) * size;
+    const double share = drawn_ - count > kManySeeds ? kDenseLater : kDense;
+    const bool dense = ones > share * static_cast<double>(counts_.size()) * size;
     if (dense && ConsistencyMatrix::memory_bytes(size) <= matrix_budget_bytes_) matrix_.compute(view, bound_);
   }
 
