@@ -1,6 +1,7 @@
 #include <consimd/solvers/pose_refinement.hpp>
 
 #include <algorithm>
+#include <optional>
 
 #include <consimd/kernels/alignment_residuals.hpp>
 #include <consimd/kernels/rigid_moments.hpp>
@@ -51,15 +52,19 @@ RefinedPose refine_within(const Correspondences& correspondences, const WorkingP
   refined.fit.pose = from_working_pose(start);
   RigidMoments moments{};  // that gave refined.fit
   RobustWeight weight;     // that gave the moments
+  std::optional<detail::MixtureChoice> choice;
   detail::ResidualMixture mixture;
-  mixture.scale = tau / 3.0;
+  mixture.scale = tau / kDeviations;
   for (WorkingPose pose = start; refined.rounds < max_rounds;) {
     RobustWeight next{.scale = tau, .cutoff = tau};
     if (refined.rounds >= kPlainRounds) {
       const detail::ResidualHistogram residuals = histogram(view, pose, kCutoff * tau);
-      mixture = refined.rounds < kPlainRounds + kChoosingRounds
-                    ? detail::choose_mixture(residuals, tau / 3.0, kMixtureRounds)
-                    : detail::fit_mixture(residuals, mixture.exponent, mixture.scale, kMixtureRounds);
+      if (!choice) choice.emplace(residuals, tau / kDeviations);
+      if (refined.rounds < kPlainRounds + kChoosingRounds) {
+        mixture = choice->fit(residuals, kMixtureRounds);
+      } else {
+        detail::fit_mixture(residuals, mixture, kMixtureRounds);
+      }
       next = {WeightFunction::student_uniform, mixture.scale, kCutoff * tau, mixture.odds(), mixture.exponent};
     }
     const RigidMoments next_moments = robust_moments(view, pose, next);

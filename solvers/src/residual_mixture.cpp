@@ -3,12 +3,14 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <numeric>
 
 namespace consimd::detail {
 namespace {
 
 // Gain in log-likelihood that a heavier tail must bring, so that chance does not make a Gaussian one heavy.
 constexpr double kMargin = 2.0;
+constexpr std::array<std::uint32_t, 4> kExponents{64, 8, 4, 2};
 // A scale that changes by less than this share in a round stands still.
 constexpr double kStill = 1e-4;
 // Least scale, as a share of the cutoff. A few chance coincidences of small residual must not pass for the whole noise.
@@ -33,19 +35,23 @@ double ResidualMixture::odds() const {
   return outlier_density * scale * scale * scale / (normalisation(exponent) * inliers);
 }
 
-ResidualMixture fit_mixture(const ResidualHistogram& histogram, std::uint32_t exponent, double scale, int rounds) {
+ResidualMixture first_guess(const ResidualHistogram& histogram, std::uint32_t exponent, double scale) {
+  const double total = std::accumulate(histogram.counts.begin(), histogram.counts.end(), 0.0);
+  return {exponent, scale, 0.5 * total, 0.5 * total / ball(histogram.cutoff), 0.0};
+}
+
+void fit_mixture(const ResidualHistogram& histogram, ResidualMixture& mixture, int rounds) {
   std::array<double, kResidualBins> volume{};
   std::array<double, kResidualBins> squared{};  // mean of the squared bounds of a bin
-  double total = 0.0;
   for (std::size_t b = 0; b < kResidualBins; ++b) {
     const double inner = histogram.cutoff * static_cast<double>(b) / kResidualBins;
     const double outer = histogram.cutoff * static_cast<double>(b + 1) / kResidualBins;
     volume[b] = ball(outer) - ball(inner);
     squared[b] = (inner * inner + inner * outer + outer * outer) / 3.0;
-    total += histogram.counts[b];
   }
+  const std::uint32_t exponent = mixture.exponent;
   const double k = normalisation(exponent);
-  ResidualMixture mixture{exponent, scale, 0.5 * total, 0.5 * total / ball(histogram.cutoff), 0.0};
+  mixture.log_likelihood = 0.0;
   for (int round = 0; round <= rounds; ++round) {
     const double peak = mixture.inliers * k / (mixture.scale * mixture.scale * mixture.scale);
     const double curvature = 1.0 / (2.0 * exponent * mixture.scale * mixture.scale);
@@ -70,16 +76,19 @@ ResidualMixture fit_mixture(const ResidualHistogram& histogram, std::uint32_t ex
     mixture.scale = std::max(std::sqrt(spread / (3.0 * mixture.inliers)), kLeastScale * histogram.cutoff);
     if (std::abs(mixture.scale - former) < kStill * former) rounds = std::min(rounds, round + 1);
   }
-  return mixture;
 }
 
-ResidualMixture choose_mixture(const ResidualHistogram& histogram, double scale, int rounds) {
-  ResidualMixture best = fit_mixture(histogram, 64, scale, rounds);
-  for (const std::uint32_t exponent : {8U, 4U, 2U}) {
-    const ResidualMixture mixture = fit_mixture(histogram, exponent, scale, rounds);
-    if (mixture.log_likelihood > best.log_likelihood + kMargin) best = mixture;
+MixtureChoice::MixtureChoice(const ResidualHistogram& histogram, double scale) {
+  for (std::size_t e = 0; e < kExponents.size(); ++e) candidates_[e] = first_guess(histogram, kExponents[e], scale);
+}
+
+const ResidualMixture& MixtureChoice::fit(const ResidualHistogram& histogram, int rounds) {
+  const ResidualMixture* best = nullptr;
+  for (ResidualMixture& mixture : candidates_) {
+    fit_mixture(histogram, mixture, rounds);
+    if (best == nullptr || mixture.log_likelihood > best->log_likelihood + kMargin) best = &mixture;
   }
-  return best;
+  return *best;
 }
 
 }  // namespace consimd::detail

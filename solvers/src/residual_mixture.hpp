@@ -29,10 +29,19 @@ struct ResidualMixture {
   [[nodiscard]] double odds() const;
 };
 
-/// Maximum likelihood by expectation maximisation for one exponent, from the given scale.
-ResidualMixture fit_mixture(const ResidualHistogram& histogram, std::uint32_t exponent, double scale, int rounds);
+/// Maximum likelihood by expectation maximisation for the mixture's exponent, from where it stands.
+void fit_mixture(const ResidualHistogram& histogram, ResidualMixture& mixture, int rounds);
 
-/// The most likely of the tails 64, 8, 4 and 2; a heavier one must be more likely by a margin.
-ResidualMixture choose_mixture(const ResidualHistogram& histogram, double scale, int rounds);
+/// The most likely of the tails 64, 8, 4 and 2; a heavier one must be more likely by a margin. Each stays where its last
+/// fit left it, which is a good start once the histogram changes little.
+class MixtureChoice {
+ public:
+  MixtureChoice(const ResidualHistogram& histogram, double scale);
+
+  const ResidualMixture& fit(const ResidualHistogram& histogram, int rounds);
+
+ private:
+  std::array<ResidualMixture, 4> candidates_;
+};
 
 }  // namespace consimd::detail
