@@ -51,10 +51,13 @@ void subtract_chance(const ConsistencyMatrix& matrix, std::span<const std::uint3
 }  // namespace
 
 void members_of(std::span<const std::uint64_t> bits, std::vector<std::uint32_t>& rows) {
-  rows.clear();
+  std::size_t size = 0;
+  for (const std::uint64_t word : bits) size += static_cast<std::size_t>(std::popcount(word));
+  rows.resize(size);
+  auto next = rows.begin();
   for (std::size_t w = 0; w < bits.size(); ++w) {
     for (std::uint64_t word = bits[w]; word != 0; word &= word - 1) {
-      rows.push_back(static_cast<std::uint32_t>(w * kBlock + static_cast<std::size_t>(std::countr_zero(word))));
+      *next++ = static_cast<std::uint32_t>(w * kBlock + static_cast<std::size_t>(std::countr_zero(word)));
     }
   }
 }

@@ -3,6 +3,7 @@
 
 #include <consimd/kernels/isa.hpp>
 #include <consimd/solvers/registration.hpp>
+#include <consimd/synth/metrics.hpp>
 #include <consimd/synth/problem.hpp>
 
 #include <gtest/gtest.h>
@@ -30,6 +31,15 @@ inline constexpr double kInfinity = std::numeric_limits<double>::infinity();
 inline constexpr std::array kBadLengths{0.0, -1.5, kNan, kInfinity, -kInfinity};
 inline constexpr std::array kBadConfidences{0.0, 1.0, -0.5, 1.5, kNan};
 
+/// Trials of a long test: a twentieth of `count` under the sanitizers, which make the solvers some fifteen times slower.
+constexpr std::uint64_t trials(std::uint64_t count) {
+#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+  return std::max<std::uint64_t>(count / 20, 1);
+#else
+  return count;
+#endif
+}
+
 inline Eigen::Vector3d source_point(const Problem& problem, std::size_t k) {
   return Eigen::Vector3d(&problem.source[3 * k]);
 }
@@ -39,6 +49,15 @@ inline Eigen::Vector3d target_point(const Problem& problem, std::size_t k) {
 
 inline double residual(const Problem& problem, const RigidTransform& T_target_source, std::size_t k) {
   return (T_target_source * source_point(problem, k) - target_point(problem, k)).norm();
+}
+
+/// Root mean square distance between the places that two poses take the sources to.
+inline double displacement(const Problem& problem, const RigidTransform& a, const RigidTransform& b) {
+  double squares = 0.0;
+  for (std::size_t k = 0; k < problem.size(); ++k) {
+    squares += (a * source_point(problem, k) - b * source_point(problem, k)).squaredNorm();
+  }
+  return std::sqrt(squares / static_cast<double>(problem.size()));
 }
 
 /// | |p_j - p_k| - |q_j - q_k| |
@@ -129,6 +148,27 @@ inline Problem perfect_problem(std::span<const Eigen::Vector3d> points, const Ri
   return problem;
 }
 
+/// Errors of several trials, and the oracle's on the same data.
+struct Errors {
+  double rotation = 0.0;
+  double translation = 0.0;
+  double oracle_rotation = 0.0;
+  double oracle_translation = 0.0;
+
+  void add(const Problem& problem, const RigidTransform& T) {
+    const RigidTransform oracle = synth::oracle(problem);
+    rotation += synth::rotation_error_deg(T, problem.T_target_source);
+    translation += synth::translation_error(T, problem.T_target_source);
+    oracle_rotation += synth::rotation_error_deg(oracle, problem.T_target_source);
+    oracle_translation += synth::translation_error(oracle, problem.T_target_source);
+  }
+
+  void expect_within(double ratio) const {
+    EXPECT_LT(rotation, ratio * oracle_rotation);
+    EXPECT_LT(translation, ratio * oracle_translation);
+  }
+};
+
 inline void expect_proper_rotation(const RigidTransform& T) {
   ASSERT_TRUE(T.matrix().allFinite()) << T.matrix();
   EXPECT_LT((T.linear().transpose() * T.linear() - Eigen::Matrix3d::Identity()).norm(), 1e-9) << T.matrix();
@@ -147,6 +187,22 @@ inline void expect_rows_within(std::span<const std::uint32_t> rows, const Proble
   }
 }
 
+/// `runner_up` is a pose, and its support the number of rows within the bound; single precision decides on the border.
+inline void expect_sound(const RunnerUp& runner_up, const Problem& problem, double noise_bound) {
+  expect_proper_rotation(runner_up.T_target_source);
+  const double border = rounding(problem.correspondences());
+  std::size_t inside = 0;
+  std::size_t near_border = 0;
+  for (std::size_t k = 0; k < problem.size(); ++k) {
+    const double r = residual(problem, runner_up.T_target_source, k);
+    inside += r < noise_bound - border ? 1 : 0;
+    near_border += std::abs(r - noise_bound) <= border ? 1 : 0;
+  }
+  EXPECT_GE(runner_up.support, std::max<std::size_t>(inside, 3));
+  EXPECT_LE(runner_up.support, inside + near_border);
+  EXPECT_TRUE(std::isfinite(runner_up.log10_false_poses)) << runner_up.log10_false_poses;
+}
+
 /// What holds for every registration, whatever the data.
 inline void expect_sound(const Registration& result, const Problem& problem, double noise_bound) {
   SCOPED_TRACE(::testing::Message() << "status " << to_string(result.status));
@@ -159,7 +215,11 @@ inline void expect_sound(const Registration& result, const Problem& problem, dou
     EXPECT_EQ(result.T_target_source.matrix(), Eigen::Matrix4d::Identity());
     EXPECT_TRUE(result.covariance.isZero(0.0)) << result.covariance;
     EXPECT_TRUE(result.inliers.empty());
+    EXPECT_FALSE(result.runner_up);
   }
+  EXPECT_TRUE(result.runner_up || result.status != Status::ambiguous);
+  if (result.runner_up) expect_sound(*result.runner_up, problem, noise_bound);
+  EXPECT_TRUE(std::isfinite(result.log10_false_poses)) << result.log10_false_poses;
   EXPECT_TRUE(result.covariance.allFinite()) << result.covariance;
   EXPECT_EQ(result.covariance, result.covariance.transpose());
   EXPECT_EQ(result.noise_bound, noise_bound);
