@@ -31,8 +31,8 @@ constexpr double kClustered = 0.25;
 double log10_false_poses(const Correspondences& correspondences, const TcfOptions& options, const PoseCandidate& best,
                          std::uint32_t seeds) {
   const Significance closed_form = significance(correspondences, best.pose, options.noise_bound, options.seed);
-  if (correspondences.size() < kFew || closed_form.log10_false_poses <= kSure || closed_form.log10_false_poses >= kHopeless ||
-      clustered_share(correspondences.view()) >= kClustered) {
+  if (correspondences.size() < kFew || closed_form.log10_false_poses <= kSure ||
+      closed_form.log10_false_poses >= kHopeless || clustered_share(correspondences.view()) >= kClustered) {
     return closed_form.log10_false_poses;
   }
   return log10_chance_of_score(correspondences, options, best.support.score * closed_form.independent_share, seeds);

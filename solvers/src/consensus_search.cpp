@@ -40,6 +40,7 @@ std::uint64_t ConsensusSearch::seeds_needed() const {
 bool ConsensusSearch::confident() const { return sets_.drawn() >= seeds_needed(); }
 
 void ConsensusSearch::run(bool exhaustive) {
+  if (exhaustive) sets_.start_over_carefully();
   const std::uint64_t limit = std::min<std::uint64_t>(correspondences_.size(), options_.max_seeds);
   const auto wanted = [&] { return static_cast<std::uint32_t>(exhaustive ? limit : std::min(limit, seeds_needed())); };
   // A seed that the best pose moves to its target would lead to that pose again.

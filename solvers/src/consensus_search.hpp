@@ -23,7 +23,7 @@ class ConsensusSearch {
   ConsensusSearch(const Correspondences& correspondences, const TcfOptions& options);
 
   /// Draws rounds of seeds until one of the best pose's supporters has been among them with the wanted confidence, or,
-  /// if `exhaustive`, until there are no more.
+  /// if `exhaustive`, all of them, again and with more care.
   void run(bool exhaustive);
 
   /// The pose of highest score so far, locally optimised; support.count below 3: none.
@@ -55,9 +55,5 @@ class ConsensusSearch {
   double three_point_seconds_ = 0.0;
   std::uint64_t minimal_fits_ = 0;
 };
-
-/// log10 of the chance that correspondences like these, paired at random, give a pose of this score: the same search on
-/// some random pairings, and the exponential tail that the greatest of many scores has beyond their mean.
-double log10_chance_of_score(const Correspondences& correspondences, const TcfOptions& options, double score);
 
 }  // namespace consimd::detail

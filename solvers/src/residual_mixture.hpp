@@ -32,8 +32,8 @@ struct ResidualMixture {
 /// Maximum likelihood by expectation maximisation for the mixture's exponent, from where it stands.
 void fit_mixture(const ResidualHistogram& histogram, ResidualMixture& mixture, int rounds);
 
-/// The most likely of the tails 64, 8, 4 and 2; a heavier one must be more likely by a margin. Each stays where its last
-/// fit left it, which is a good start once the histogram changes little.
+/// The most likely of the tails 64, 8, 4 and 2; a heavier one must be more likely by a margin. Each stays where its
+/// last fit left it, which is a good start once the histogram changes little.
 class MixtureChoice {
  public:
   MixtureChoice(const ResidualHistogram& histogram, double scale);

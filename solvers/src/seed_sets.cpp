@@ -3,6 +3,8 @@
 #include <oneapi/tbb/parallel_for.h>
 
 #include <algorithm>
+#include <bit>
+#include <functional>
 #include <iterator>
 #include <numeric>
 
@@ -21,6 +23,9 @@ constexpr double kDenseLater = 0.085;
 constexpr std::uint32_t kManySeeds = 100;
 // Largest set, after the second point, whose own matrix is built; larger ones are thinned evenly.
 constexpr std::size_t kLargestSet = 160;
+constexpr std::size_t kLargestCarefulSet = 256;
+// Second points tried by the matrix, about.
+constexpr std::size_t kMatrixPartners = 48;
 // Larger sets are reduced by a second point.
 constexpr std::uint32_t kTwoPoint = 96;
 // A set is sampled with this many members, of which this many are tried as the second point.
@@ -52,6 +57,11 @@ SeedSets::SeedSets(const Correspondences& correspondences, double consistency_bo
   std::iota(order_.begin(), order_.end(), 0U);
 }
 
+void SeedSets::start_over_carefully() {
+  drawn_ = 0;
+  careful_ = true;
+}
+
 std::span<const std::uint64_t> SeedSets::row(std::uint32_t position) const {
   if (matrix_.size() != 0) return matrix_.row(round_[position]);
   const std::size_t words = correspondences_.view().words();
@@ -63,12 +73,14 @@ void SeedSets::draw(std::uint32_t count, bool dense_work) {
   const CorrespondenceView view = correspondences_.view();
   const auto size = static_cast<std::uint32_t>(order_.size());
   for (std::uint32_t last = drawn_ + count; drawn_ < last; ++drawn_) {
+    if (drawn_ < shuffled_) continue;
     CounterRandom random(seed_, RandomStage::permutation, drawn_);
     std::swap(order_[drawn_], order_[drawn_ + random.below(size - drawn_)]);
+    ++shuffled_;
   }
   if (matrix_.size() == 0 && dense_work && !counts_.empty()) {
     const double ones = static_cast<double>(std::accumulate(counts_.begin(), counts_.end(), std::uint64_t{0}));
-    const double share = drawn_ - count > kManySeeds ? kDenseLater : kDense;
+    const double share = careful_ || drawn_ - count > kManySeeds ? kDenseLater : kDense;
     const bool dense = ones > share * static_cast<double>(counts_.size()) * size;
     if (dense && ConsistencyMatrix::memory_bytes(size) <= matrix_budget_bytes_) matrix_.compute(view, bound_);
   }
@@ -109,30 +121,54 @@ SeedSets::Guess SeedSets::guess(std::uint32_t position, Scratch& scratch) const 
           scratch.sampled[partner]};
 }
 
+// The same by the matrix: what the best partner has in common with the seed beyond chance.
+float SeedSets::clique_by_matrix(std::uint32_t position, Scratch& scratch) const {
+  const std::span<const std::uint64_t> set = row(position);
+  const std::size_t stride = 1 + set.size() / kMatrixPartners;
+  scratch.partners.clear();
+  for (std::size_t w = 0; w < set.size(); w += stride) {
+    if (set[w] == 0) continue;
+    const auto partner = static_cast<std::uint32_t>(w * kBlock + static_cast<std::size_t>(std::countr_zero(set[w])));
+    if (partner != round_[position]) scratch.partners.push_back(partner);
+  }
+  scratch.counts.resize(scratch.partners.size());
+  and_popcount_rows(matrix_, set, scratch.partners, scratch.counts);
+  const auto size = static_cast<float>(counts_[position]);
+  float most = 0.0F;
+  for (std::size_t i = 0; i < scratch.partners.size(); ++i) {
+    const float chance =
+        static_cast<float>(matrix_.degrees()[scratch.partners[i]]) / static_cast<float>(matrix_.size());
+    if (chance < 1.0F) most = std::max(most, (static_cast<float>(scratch.counts[i]) - chance * size) / (1.0F - chance));
+  }
+  return most;
+}
+
 std::span<const std::uint32_t> SeedSets::rank(std::uint32_t support_to_beat, const Skip& skip) {
   const StageClock clock(two_point_seconds_);
   const auto count = static_cast<std::uint32_t>(round_.size());
   estimates_.assign(count, 0.0F);
   partners_.resize(count);
-  const bool sample = matrix_.size() == 0;  // dense sets look alike in a sample
+  const bool sample = matrix_.size() == 0;
   tbb::parallel_for(tbb::blocked_range<std::uint32_t>(0, count, 4), [&](const tbb::blocked_range<std::uint32_t>& r) {
     Scratch& scratch = scratch_.local();
     for (std::uint32_t h = r.begin(); h < r.end(); ++h) {
       // Supporters of a pose within the noise bound are pairwise consistent: the set holds the clique or is too small
       // for it.
       if (counts_[h] < 3 || counts_[h] <= support_to_beat || skip(round_[h])) continue;
-      if (sample) {
+      if (careful_ && !sample) {
+        estimates_[h] = static_cast<float>(counts_[h]);
+      } else if (sample) {
         const Guess best = guess(h, scratch);
         estimates_[h] = best.clique;
         partners_[h] = best.partner;
       } else {
-        estimates_[h] = static_cast<float>(counts_[h]);
+        estimates_[h] = clique_by_matrix(h, scratch);
       }
     }
   });
   largest_raw_set_ = std::max<std::size_t>(largest_raw_set_, *std::max_element(counts_.begin(), counts_.end()));
   usual_estimate_ = 0.0F;
-  if (sample) {
+  if (sample && !careful_) {
     std::copy_if(estimates_.begin(), estimates_.end(), std::back_inserter(all_estimates_),
                  [](float estimate) { return estimate > 0.0F; });
     const auto middle = all_estimates_.begin() + static_cast<std::ptrdiff_t>(all_estimates_.size() / 2);
@@ -174,7 +210,7 @@ void SeedSets::prune(std::span<const std::uint32_t> positions, std::uint32_t sup
     }
     const std::span<const std::uint64_t> of_seed = row(positions[i]);
     scratch.bits.assign(of_seed.begin(), of_seed.end());
-    if (counts_[positions[i]] > kTwoPoint) {
+    if (!careful_ && counts_[positions[i]] > kTwoPoint) {
       scratch.partner_bits.resize(of_seed.size());
       std::uint32_t count = 0;
       length_consistency_bits(correspondences_.view(), std::span(&partners_[positions[i]], 1), bound_,
@@ -184,7 +220,7 @@ void SeedSets::prune(std::span<const std::uint32_t> positions, std::uint32_t sup
     }
     members_of(scratch.bits, set);
     const std::size_t size = set.size();
-    thin(set, kLargestSet);
+    thin(set, careful_ ? kLargestCarefulSet : kLargestSet);
     // A thinned set holds its share of the clique, more or less.
     const auto share =
         static_cast<std::uint32_t>(kSlack * static_cast<float>(wanted * set.size()) / static_cast<float>(size));

@@ -27,6 +27,9 @@ class SeedSets {
   /// matrix of all correspondences pays where sets are dense.
   void draw(std::uint32_t count, bool dense_work);
 
+  /// Draws the same seeds again, but keeps sets whole and drops none for what a sample of it says.
+  void start_over_carefully();
+
   /// Whether a seed, a row, need not be looked at.
   using Skip = std::function<bool(std::uint32_t)>;
 
@@ -70,13 +73,16 @@ class SeedSets {
 
   [[nodiscard]] std::span<const std::uint64_t> row(std::uint32_t position) const;
   [[nodiscard]] Guess guess(std::uint32_t position, Scratch& scratch) const;
+  [[nodiscard]] float clique_by_matrix(std::uint32_t position, Scratch& scratch) const;
 
   const Correspondences& correspondences_;
   double bound_;
   std::uint64_t seed_;
   std::size_t matrix_budget_bytes_;
-  std::vector<std::uint32_t> order_;  // a random permutation of all rows, final up to drawn_
+  std::vector<std::uint32_t> order_;  // a random permutation of all rows, final up to shuffled_
+  std::uint32_t shuffled_ = 0;
   std::uint32_t drawn_ = 0;
+  bool careful_ = false;
   std::span<const std::uint32_t> round_;  // the seeds of the round, within order_
   ConsistencyMatrix matrix_;              // of all correspondences; empty until it pays
   std::vector<std::uint64_t> bits_;       // rows of the round's seeds, when there is no matrix

@@ -91,11 +91,8 @@ Registration register_tcf(const Correspondences& correspondences, const TcfOptio
   detail::ConsensusSearch search(correspondences, options);
   double refinement_seconds = 0.0;
   FinalPose final;
-  std::uint32_t last_drawn = 0;
   for (const bool exhaustive : {false, true}) {
     search.run(exhaustive);
-    if (search.sets().drawn() == last_drawn) break;
-    last_drawn = search.sets().drawn();
     const detail::StageClock refinement_clock(refinement_seconds);
     if (search.best().support.count >= 3)
       final = finish(correspondences, options, search.best(), search.sets().drawn());
