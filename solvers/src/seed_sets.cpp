@@ -21,6 +21,8 @@ namespace {
 constexpr double kDense = 0.15;
 constexpr double kDenseLater = 0.085;
 constexpr std::uint32_t kManySeeds = 100;
+// Pairs of a task worth its scheduling.
+constexpr std::size_t kPairsPerTask = 24'000;
 // Largest set, after the second point, whose own matrix is built; larger ones are thinned evenly.
 constexpr std::size_t kLargestSet = 160;
 constexpr std::size_t kLargestCarefulSet = 256;
@@ -93,7 +95,8 @@ void SeedSets::draw(std::uint32_t count, bool dense_work) {
     return;
   }
   bits_.resize(count * view.words());
-  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, count, 8), [&](const tbb::blocked_range<std::size_t>& r) {
+  const std::size_t grain = std::clamp<std::size_t>(kPairsPerTask / std::max(size, 1U), 2, 8);
+  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, count, grain), [&](const tbb::blocked_range<std::size_t>& r) {
     length_consistency_bits(view, round_.subspan(r.begin(), r.size()), bound_,
                             std::span(bits_).subspan(r.begin() * view.words(), r.size() * view.words()),
                             std::span(counts_).subspan(r.begin(), r.size()));

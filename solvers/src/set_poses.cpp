@@ -22,6 +22,8 @@ constexpr float kSupportShare = 0.3F;
 constexpr float kEnoughShare = 0.5F;
 // Bounds of the refits, in noise bounds: wide first, since the start may be off by more than the noise.
 constexpr std::array kLocalBounds{1.5, 1.25, 1.0, 1.0, 1.0};
+constexpr double kNeighbourhood = 3.0;  // in noise bounds
+constexpr double kSmallPart = 0.25;
 
 RigidFit truncated_fit(const CorrespondenceView& view, const WorkingPose& pose, double bound) {
   return rigid_fit(robust_moments(view, pose, {WeightFunction::truncated, bound, bound, 0.0}));
@@ -71,10 +73,16 @@ PoseCandidate pose_of_set(const Correspondences& correspondences, const std::vec
 
 PoseCandidate locally_optimise(const Correspondences& correspondences, const PoseCandidate& start, double noise_bound) {
   const CorrespondenceView view = correspondences.view();
+  // Refits look at the neighbourhood alone where that is a small part.
+  Correspondences near;
+  if (start.support.count < kSmallPart * static_cast<double>(view.size())) {
+    near = correspondences.subset(pose_inliers(view, start.pose, kNeighbourhood * noise_bound));
+  }
+  const CorrespondenceView refitted = near.size() == 0 ? view : near.view();
   PoseCandidate best = start;
   PoseCandidate current = start;
   for (const double bound : kLocalBounds) {
-    const RigidFit fit = truncated_fit(view, current.pose, bound * noise_bound);
+    const RigidFit fit = truncated_fit(refitted, current.pose, bound * noise_bound);
     if (!fit.determined()) break;
     current.pose = to_working_pose(fit.pose);
     alignment_scores(view, std::span(&current.pose, 1), noise_bound, std::span(&current.support, 1));

@@ -195,8 +195,11 @@ inline void expect_sound(const RunnerUp& runner_up, const Problem& problem, doub
   std::size_t near_border = 0;
   for (std::size_t k = 0; k < problem.size(); ++k) {
     const double r = residual(problem, runner_up.T_target_source, k);
-    inside += r < noise_bound - border ? 1 : 0;
-    near_border += std::abs(r - noise_bound) <= border ? 1 : 0;
+    if (std::abs(r - noise_bound) <= border) {
+      ++near_border;
+    } else if (r < noise_bound) {
+      ++inside;
+    }
   }
   EXPECT_GE(runner_up.support, std::max<std::size_t>(inside, 3));
   EXPECT_LE(runner_up.support, inside + near_border);
