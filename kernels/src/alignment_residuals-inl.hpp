@@ -56,4 +56,12 @@ void alignment_scores(const RawView& view, const WorkingPose* poses, std::size_t
   }
 }
 
+template <typename Arch>
+void alignment_residuals(const RawView& view, const WorkingPose& pose, float* squared) {
+  const Residual<Arch> residual(pose);
+  for (std::size_t j = 0; j < view.padded; j += kWidth<Arch>) {
+    residual(load<Arch>(view.source, j), load<Arch>(view.target, j)).store_unaligned(squared + j);
+  }
+}
+
 }  // namespace consimd::detail

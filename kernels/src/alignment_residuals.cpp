@@ -28,6 +28,11 @@ void alignment_bits(const CorrespondenceView& view, std::span<const WorkingPose>
                                         counts.data());
 }
 
+void alignment_residuals(const CorrespondenceView& view, const WorkingPose& pose, std::span<float> squared) {
+  detail::require_size("squared", squared.size(), view.words() * kBlock);
+  detail::active_table().alignment_residuals(detail::raw_view(view), pose, squared.data());
+}
+
 void mismatched_counts(const CorrespondenceView& view, const WorkingPose& pose, double bound,
                        std::span<const std::uint32_t> shifts, std::span<std::uint32_t> counts) {
   detail::require_size("counts", counts.size(), shifts.size());

@@ -39,6 +39,8 @@ struct KernelTable {
   void (*alignment_scores)(const RawView&, const WorkingPose* poses, std::size_t n, float bound, PoseSupport* support);
   void (*alignment_bits)(const RawView&, const WorkingPose* poses, std::size_t n, float bound, std::uint64_t* bits,
                          std::uint32_t* counts);
+  /// squared: view.padded floats.
+  void (*alignment_residuals)(const RawView&, const WorkingPose&, float* squared);
   void (*weighted_moments)(const RawView&, const float* weights, RigidMoments* moments);
   void (*subset_moments)(const RawView&, const std::uint64_t* bits, RigidMoments* moments);
   void (*robust_moments)(const RawView&, const WorkingPose&, const RawWeight&, RigidMoments* moments);

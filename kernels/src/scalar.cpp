@@ -170,6 +170,9 @@ void alignment_bits(const RawView& view, const WorkingPose* poses, std::size_t n
   }
 }
 
+void alignment_residuals(const RawView& view, const WorkingPose& pose, float* squared) {
+  for (std::size_t j = 0; j < view.padded; ++j) squared[j] = squared_residual(pose, source(view, j), target(view, j));
+}
 void alignment_scores(const RawView& view, const WorkingPose* poses, std::size_t n, float bound, PoseSupport* support) {
   const float squared = bound * bound;
   for (std::size_t h = 0; h < n; ++h) {
@@ -352,10 +355,10 @@ void and_popcount_rows(const std::uint64_t* matrix, std::size_t words, const std
 }  // namespace
 
 const detail::KernelTable& table() noexcept {
-  static constexpr detail::KernelTable kTable{length_counts,    length_bits,      angle_counts,     angle_bits,
-                                              alignment_counts, alignment_scores, alignment_bits,   weighted_moments,
-                                              subset_moments,   robust_moments,   three_point_fits, consistency_matrix,
-                                              and_popcount,     and_popcount_rows};
+  static constexpr detail::KernelTable kTable{
+      length_counts,    length_bits,      angle_counts,        angle_bits,       alignment_counts,
+      alignment_scores, alignment_bits,   alignment_residuals, weighted_moments, subset_moments,
+      robust_moments,   three_point_fits, consistency_matrix,  and_popcount,     and_popcount_rows};
   return kTable;
 }
 

@@ -28,6 +28,7 @@ inline constexpr KernelTable kTable{
     .alignment_counts = count_consensus<Arch, AlignmentTest<Arch>, WorkingPose>,
     .alignment_scores = alignment_scores<Arch>,
     .alignment_bits = run_consensus<Arch, AlignmentTest<Arch>, WorkingPose>,
+    .alignment_residuals = alignment_residuals<Arch>,
     .weighted_moments = weighted_moments<Arch>,
     .subset_moments = subset_moments<Arch>,
     .robust_moments = robust_moments<Arch>,

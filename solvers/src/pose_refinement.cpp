@@ -1,7 +1,9 @@
 #include <consimd/solvers/pose_refinement.hpp>
 
 #include <algorithm>
+#include <cmath>
 #include <optional>
+#include <vector>
 
 #include <consimd/kernels/alignment_residuals.hpp>
 #include <consimd/kernels/rigid_moments.hpp>
@@ -29,15 +31,16 @@ constexpr double kWidest = 2.0;
 // A pose that moves by less than this share of the noise stands still.
 constexpr double kStill = 1e-3;
 
-detail::ResidualHistogram histogram(const CorrespondenceView& view, const WorkingPose& pose, double cutoff) {
+detail::ResidualHistogram histogram(const CorrespondenceView& view, const WorkingPose& pose, double cutoff,
+                                    std::vector<float>& squared) {
+  squared.resize(view.words() * kBlock);
+  alignment_residuals(view, pose, squared);
   detail::ResidualHistogram result{cutoff, {}};
-  std::uint32_t below = 0;
-  for (std::size_t b = 0; b < detail::kResidualBins; ++b) {
-    std::uint32_t count = 0;
-    const double bound = cutoff * static_cast<double>(b + 1) / detail::kResidualBins;
-    alignment_counts(view, std::span(&pose, 1), bound, std::span(&count, 1));
-    result.counts[b] = count - below;
-    below = count;
+  const auto bins = static_cast<float>(detail::kResidualBins);
+  const float bins_per_length = bins / static_cast<float>(cutoff * view.scale());
+  for (std::size_t j = 0; j < view.size(); ++j) {
+    const float bin = std::sqrt(squared[j]) * bins_per_length;
+    if (bin < bins) ++result.counts[static_cast<std::size_t>(bin)];
   }
   return result;
 }
@@ -48,6 +51,7 @@ RefinedPose refine_within(const Correspondences& correspondences, const WorkingP
       correspondences.subset(detail::pose_inliers(correspondences.view(), start, kNeighbourhood * tau));
   const CorrespondenceView view = near.view();
 
+  std::vector<float> squared;  // scratch of the histogram
   RefinedPose refined;
   refined.fit.pose = from_working_pose(start);
   RigidMoments moments{};  // that gave refined.fit
@@ -58,7 +62,7 @@ RefinedPose refine_within(const Correspondences& correspondences, const WorkingP
   for (WorkingPose pose = start; refined.rounds < max_rounds;) {
     RobustWeight next{.scale = tau, .cutoff = tau};
     if (refined.rounds >= kPlainRounds) {
-      const detail::ResidualHistogram residuals = histogram(view, pose, kCutoff * tau);
+      const detail::ResidualHistogram residuals = histogram(view, pose, kCutoff * tau, squared);
       if (!choice) choice.emplace(residuals, tau / kDeviations);
       if (refined.rounds < kPlainRounds + kChoosingRounds) {
         mixture = choice->fit(residuals, kMixtureRounds);

@@ -69,6 +69,25 @@ TEST_P(AlignmentResiduals, ScoresEqualTheSpecification) {
   });
 }
 
+TEST_P(AlignmentResiduals, ValuesEqualTheSpecification) {
+  for_every_cloud([&](RawCloud& cloud, float) {
+    for (const WorkingPose& pose : poses_for(cloud)) {
+      const detail::RawView& view = cloud.view();
+      ExactArray<float> squared(view.padded);
+      table().alignment_residuals(view, pose, squared.data());
+      for (std::size_t j = 0; j < view.size; ++j) {
+        const float expected = squared_residual(view, pose, j);
+        if (std::isnan(expected)) {
+          ASSERT_TRUE(std::isnan(squared[j]));
+        } else {
+          ASSERT_EQ(std::bit_cast<std::uint32_t>(squared[j]), std::bit_cast<std::uint32_t>(expected));
+        }
+      }
+      for (std::size_t j = view.size; j < view.padded; ++j) ASSERT_TRUE(std::isnan(squared[j]));
+    }
+  });
+}
+
 TEST(AlignmentResidualsArguments, AreChecked) {
   const std::array<double, 9> points{0, 0, 0, 1, 0, 0, 0, 1, 0};
   const auto span = PointSpan<double>::interleaved(points.data(), 3);
@@ -83,6 +102,10 @@ TEST(AlignmentResidualsArguments, AreChecked) {
   EXPECT_EQ(bits[0], 7u);
   EXPECT_EQ(support[0].count, 3u);
   EXPECT_EQ(support[0].score, 3.0f);
+  std::vector<float> squared(c.view().words() * kBlock);
+  alignment_residuals(c, poses[0], squared);
+  EXPECT_EQ(squared[2], 0.0f);
+  EXPECT_THROW(alignment_residuals(c, poses[0], std::span(squared).first(3)), std::invalid_argument);
   EXPECT_THROW(alignment_counts(c, poses, std::nan(""), counts), std::invalid_argument);
   EXPECT_THROW(alignment_counts(c, poses, 0.1, {}), std::invalid_argument);
   EXPECT_THROW(alignment_scores(c, poses, 0.1, {}), std::invalid_argument);

@@ -22,6 +22,10 @@ void alignment_scores(const CorrespondenceView& view, std::span<const WorkingPos
 void alignment_bits(const CorrespondenceView& view, std::span<const WorkingPose> poses, double bound,
                     std::span<std::uint64_t> bits, std::span<std::uint32_t> counts);
 
+/// squared[j] = r_j^2 in the working frame: divide by view.scale()^2 for the caller's unit. squared: view.words() *
+/// kBlock floats; those from view.size() on become NaN. Throws std::invalid_argument on another size.
+void alignment_residuals(const CorrespondenceView& view, const WorkingPose& pose, std::span<float> squared);
+
 /// Support that a pose gets from mismatched pairs: counts[s] = number of j with | R p_j + t - q_k | < bound, k = j +
 /// kBlock * shifts[s], over the j whose k exists up to whole blocks: mismatched_pairs(view, shifts[s]) of them. What
 /// chance alone would give a pose of correspondences like these. shifts: S, each > 0; counts: S. Throws as
