@@ -97,7 +97,7 @@ RefinedPose refine_pose(const Correspondences& correspondences, const WorkingPos
   detail::require_length("noise_bound", options.noise_bound);
   // As far as single precision resolves, and no further than the data reach; the kernels do the same.
   const double tau = std::clamp(options.noise_bound, 1e-9 / correspondences.scale(), 16.0 / correspondences.scale());
-  const RefinedPose refined = refine_within(correspondences, start, tau, options.max_rounds);
+  RefinedPose refined = refine_within(correspondences, start, tau, options.max_rounds);
   const double measured = kDeviations * refined.sigma;
   if (!refined.fit.determined() || measured < kTooTight * tau) return refined;
   RefinedPose wider = refine_within(correspondences, to_working_pose(refined.fit.pose),
