@@ -23,6 +23,9 @@ constexpr double kLeastTail = 0.35;
 // Fewer correspondences have scores in steps too coarse for a tail, and few triples for the closed form to count.
 constexpr std::size_t kFew = 128;
 
+// Score of a pairing without any pose. Three supporters are not much more than none.
+constexpr double kLeastScore = 2.0;
+
 // Share of clustered correspondences from which random pairings are no match for them.
 constexpr double kClustered = 0.25;
 
@@ -57,7 +60,7 @@ double log10_chance_of_score(const Correspondences& correspondences, const TcfOp
     chance_options.seed = options.seed + p;
     ConsensusSearch search(pairing, chance_options);
     search.run(false);
-    const double best = search.best().support.score;
+    const double best = std::max<double>(kLeastScore, search.best().support.score);
     sum += best;
     squares += best * best;
   }

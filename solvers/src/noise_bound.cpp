@@ -15,6 +15,8 @@ namespace {
 
 constexpr double kLeastBound = 1.0 / 2048.0;  // of the extent
 constexpr std::uint32_t kBounds = 10;
+// Points closer than this share of their distance from the origin differ by rounding.
+constexpr double kResolution = 1e-14;
 constexpr std::uint32_t kSeeds = 1024;
 // Bounds tried after the most significant one before it is believed to be that.
 constexpr int kPatience = 3;
@@ -91,7 +93,8 @@ std::vector<Attempt> attempts(const Correspondences& correspondences, double lea
 
 NoiseBoundEstimate estimate_noise_bound(const Correspondences& correspondences, std::uint64_t seed) {
   const double size = extent(correspondences);
-  if (!(size > 0.0)) return {1.0, 0.0, 1};
+  const auto& centroid = correspondences.source_centroid();
+  if (!(size > kResolution * std::hypot(centroid[0], centroid[1], centroid[2]))) return {1.0, 0.0, 1};
   std::vector<Attempt> tried = attempts(correspondences, kLeastBound * size, seed);
   if (tried.empty()) return {kLeastBound * size, 0.0, kBounds};
   const auto by_chance = [](const Attempt& attempt) { return attempt.log10_false_poses; };

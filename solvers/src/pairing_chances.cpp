@@ -15,9 +15,13 @@ namespace {
 
 constexpr std::size_t kSmall = 8 * kBlock;  // up to here correspondences are shifted row by row
 
-double share_below(const std::vector<double>& values, double bound) {
-  const auto hits = std::ranges::count_if(values, [bound](double value) { return value < bound; });
-  return chance(static_cast<double>(hits), static_cast<double>(values.size()));
+// Of `distinct` values some were drawn, few of them maybe many times.
+double share_below(const std::vector<double>& values, double distinct, double bound) {
+  if (values.empty()) return chance(0.0, 0.0);
+  const auto hits = static_cast<double>(std::ranges::count_if(values, [bound](double value) { return value < bound; }));
+  const auto drawn = static_cast<double>(values.size());
+  const double trials = std::min(drawn, distinct);
+  return chance(hits * trials / drawn, trials);
 }
 
 }  // namespace
@@ -53,7 +57,7 @@ double pose_chance(const CorrespondenceView& view, const WorkingPose& pose, doub
 
 LengthChance::LengthChance(const CorrespondenceView& view, std::span<const std::uint32_t> explained,
                            std::uint32_t pairs, std::uint64_t seed)
-    : scale_(view.scale()) {
+    : scale_(view.scale()), pairs_(0.5 * static_cast<double>(view.size()) * static_cast<double>(view.size() - 1)) {
   const auto size = static_cast<std::uint32_t>(view.size());
   const auto is_explained = [&](std::uint32_t row) { return std::ranges::binary_search(explained, row); };
   own_.reserve(pairs);
@@ -66,13 +70,15 @@ LengthChance::LengthChance(const CorrespondenceView& view, std::span<const std::
     own_.push_back(is_explained(from.first) && is_explained(from.second)
                        ? std::numeric_limits<double>::infinity()
                        : std::abs(length - distance(target_point(view, from.first), target_point(view, from.second))));
-    if (from.first == to.first || from.second == to.second) continue;
+    const bool reversed = from.first == to.second && from.second == to.first;
+    if (from.first == to.first || from.second == to.second || reversed) continue;
     mismatched_.push_back(std::abs(length - distance(target_point(view, to.first), target_point(view, to.second))));
   }
 }
 
 double LengthChance::operator()(double bound) const {
-  return std::max(share_below(own_, bound * scale_), share_below(mismatched_, bound * scale_));
+  return std::max(share_below(own_, pairs_, bound * scale_),
+                  share_below(mismatched_, pairs_ * (pairs_ - 1.0), bound * scale_));
 }
 
 }  // namespace consimd::detail

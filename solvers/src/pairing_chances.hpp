@@ -30,6 +30,7 @@ class LengthChance {
 
  private:
   double scale_;
+  double pairs_;                    // of different correspondences
   std::vector<double> own_;         // differences of lengths, working frame
   std::vector<double> mismatched_;  // the same
 };

@@ -17,6 +17,8 @@ namespace {
 constexpr double kResolution = 1e-7;
 // A length beyond every distance in the working frame.
 constexpr double kEverything = 8.0;
+// A reflection explains thin scenes nearly as well as the pose does; this many times its supporters tell.
+constexpr double kClearlyMore = 1.1;
 
 // With the moments of the supporters and the deviation of a residual in the working frame.
 double rotation_deviation(const RigidMoments& moments, double working_sigma) {
@@ -63,7 +65,8 @@ bool is_mirrored(const Correspondences& correspondences, const std::vector<std::
     if (!fit.determined()) return false;
     pose = to_working_pose(fit.pose);
   }
-  return pose_inliers(mirrored.view(), pose, bound).size() > supporters;
+  return static_cast<double>(pose_inliers(mirrored.view(), pose, bound).size()) >
+         kClearlyMore * static_cast<double>(supporters);
 }
 
 }  // namespace consimd::detail

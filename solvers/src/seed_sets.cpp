@@ -38,6 +38,7 @@ constexpr float kSlack = 0.5F;
 constexpr float kSupportSlack = 0.8F;
 // Sets whose estimate does not exceed the usual one, the median so far, by this factor look like those of outliers.
 constexpr float kUnusual = 1.25F;
+constexpr std::size_t kManyInliers = 8;
 
 // Keeps `count` members at even distances.
 void thin(std::vector<std::uint32_t>& members, std::size_t count) {
@@ -191,7 +192,10 @@ std::span<const std::uint32_t> SeedSets::rank(std::uint32_t support_to_beat, con
 
 std::span<const std::uint32_t> SeedSets::promising(std::span<const std::uint32_t> ranking,
                                                    std::uint32_t support_to_beat, const Skip& skip) {
-  const float least = std::max(kSupportSlack * static_cast<float>(support_to_beat), kUnusual * usual_estimate_);
+  // With a large support found, the usual set may be that of an inlier.
+  const bool usual_is_wrong = support_to_beat < order_.size() / kManyInliers;
+  const float least =
+      std::max(kSupportSlack * static_cast<float>(support_to_beat), usual_is_wrong ? kUnusual * usual_estimate_ : 0.0F);
   promising_.clear();
   std::copy_if(ranking.begin(), ranking.end(), std::back_inserter(promising_), [&](std::uint32_t h) {
     return estimates_[h] >= least && counts_[h] > support_to_beat && !skip(round_[h]);

@@ -51,8 +51,10 @@ PoseCandidate pose_of_set(const Correspondences& correspondences, const std::vec
     return std::ranges::max_element(scratch.support.begin(), end, {}, &PoseSupport::score);
   };
   auto best = best_of(0, kFirstTriples);
+  // A set may hold a part of a pose's supporters only.
+  const std::size_t wanted = std::min<std::size_t>(support_to_beat, set.size());
   const float promising =
-      std::max(kPromisingShare * static_cast<float>(set.size()), kSupportShare * static_cast<float>(support_to_beat));
+      std::max(kPromisingShare * static_cast<float>(set.size()), kSupportShare * static_cast<float>(wanted));
   if (best->score < promising) return {};
   if (best->score < kEnoughShare * static_cast<float>(set.size())) {
     best = best_of(kFirstTriples, kTriplesPerSet - kFirstTriples);

@@ -22,7 +22,7 @@ struct SolverInfo {
 struct SolverOptions {
   /// Largest residual of an inlier, caller's unit; finite and > 0. Estimated from the correspondences when not given
   /// (see noise_bound.hpp); Registration::noise_bound tells what was used.
-  std::optional<double> noise_bound;
+  std::optional<double> noise_bound = std::nullopt;
   std::uint64_t seed = 1;
 };
 
