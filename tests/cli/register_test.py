@@ -2,6 +2,7 @@
 
 import json
 import math
+import random
 import subprocess
 import unittest
 
@@ -40,10 +41,12 @@ class Register(CommandTest):
         for run in result["runs"]:
             self.assertEqual(
                 list(run),
-                ["seed", "status", "T_target_source", "covariance", "inlier_count", "inliers", "seconds", "stages",
-                 "rotation_error_deg", "translation_error"],
+                ["seed", "status", "noise_bound", "log10_false_poses", "T_target_source", "covariance", "inlier_count",
+                 "inliers", "seconds", "stages", "rotation_error_deg", "translation_error"],
             )
             self.assertEqual(run["status"], "success")
+            self.assertEqual(run["noise_bound"], 0.3)
+            self.assertLess(run["log10_false_poses"], -3)
             self.assertEqual([len(row) for row in run["T_target_source"]], [4] * 4)
             self.assertEqual(run["T_target_source"][3], [0, 0, 0, 1])
             covariance = run["covariance"]
@@ -58,8 +61,63 @@ class Register(CommandTest):
             self.assertEqual(run["inliers"], sorted(set(run["inliers"])))
             self.assertLess(run["rotation_error_deg"], 0.1)
             self.assertLess(run["translation_error"], 0.1)
+            self.assertNotIn("noise_bound", [stage["name"] for stage in run["stages"]])
             for stage in run["stages"]:
                 self.assertEqual(list(stage), ["name", "input", "output", "iterations", "seconds"])
+
+    def test_noise_bound_is_estimated(self):
+        file = self.problem()
+        result = self.json(file, "--repeat", 2, "--truth", "p/pose.txt")
+        self.assertIsNone(result["noise_bound"])
+        for run in result["runs"]:
+            self.assertEqual(run["status"], "success")
+            self.assertAlmostEqual(run["noise_bound"], 0.3, delta=0.06)
+            self.assertLess(run["rotation_error_deg"], 0.1)
+            self.assertLess(run["translation_error"], 0.1)
+            stage = run["stages"][0]
+            self.assertEqual((stage["name"], stage["input"]), ("noise_bound", 400))
+            self.assertGreater(stage["iterations"], 1)
+        text = self.run_command("register", file)
+        bound = result["runs"][0]["noise_bound"]
+        for part in ("noise bound estimated", "success (seed 1)", f"within {bound:.4g} of the pose", "\nnoise_bound "):
+            self.assertIn(part, text)
+
+    def two_motions(self):
+        """Sixty rows that keep their place but for a lift, sixty that turn by 90 degrees, sixty that do neither."""
+        numbers = random.Random(1)
+        rows = []
+        for k in range(180):
+            x, y, z, *anywhere = (numbers.uniform(-100, 100) for _ in range(6))
+            target = ([x, y, z + 50], [-y, x, z - 20], anywhere)[k % 3]
+            rows.append([x, y, z, *(value + numbers.gauss(0, 0.1) for value in target)])
+        return self.write("two.txt", "\n".join(" ".join(map(str, row)) for row in rows))
+
+    def test_two_motions_are_ambiguous(self):
+        file = self.two_motions()
+        lift = [[1, 0, 0, 0], [0, 1, 0, 0], [0, 0, 1, 50], [0, 0, 0, 1]]
+        turn = [[0, -1, 0, 0], [1, 0, 0, 0], [0, 0, 1, -20], [0, 0, 0, 1]]
+
+        def distance(a, b):
+            return max(abs(p - q) for row, other in zip(a, b) for p, q in zip(row, other))
+
+        for arguments in (["--noise-bound", 0.3], []):
+            run = self.json(file, *arguments, code=1)["runs"][0]
+            self.assertEqual(run["status"], "ambiguous")
+            self.assertEqual(list(run["runner_up"]), ["support", "log10_false_poses", "T_target_source"])
+            poses = [run["T_target_source"], run["runner_up"]["T_target_source"]]
+            for motion in (lift, turn):
+                self.assertLess(min(distance(pose, motion) for pose in poses), 0.2)
+            for support in (run["inlier_count"], run["runner_up"]["support"]):
+                self.assertGreaterEqual(support, 48)
+                self.assertLessEqual(support, 66)
+            self.assertLess(run["runner_up"]["log10_false_poses"], -3)
+            text = self.run_command("register", file, *arguments, code=1)
+            self.assertIn("ambiguous (seed 1)", text)
+            self.assertIn(f"another motion has {run['runner_up']['support']} inliers", text)
+            self.assertIn("T_target_source", text)
+        several = self.run_command("register", file, "--noise-bound", 0.3, "--repeat", 2, code=1)
+        self.assertIn("2 with a pose", several)
+        self.assertIn("two poses     seed 2: ambiguous", several)
 
     def test_no_errors_without_truth(self):
         run = self.json(self.problem(), "--noise-bound", 0.3)["runs"][0]
@@ -74,16 +132,18 @@ class Register(CommandTest):
         self.assertEqual({path.name for path in self.folder.iterdir()}, {"p", "r.json"})
 
     def test_same_bytes_for_any_threads_and_isa(self):
-        arguments = [self.problem(), "--noise-bound", 0.3, "--repeat", 3, "--truth", "p/pose.txt"]
-        expected = without_times(self.json(*arguments))
-        for threads in (1, 2, 5):
-            result = self.json(*arguments, "--threads", threads)
-            self.assertEqual(result["threads"], threads)
-            self.assertEqual(without_times(result), expected, f"{threads} threads")
-        for isa in self.isas():
-            result = self.json(*arguments, CONSIMD_ISA=isa)
-            self.assertEqual(result["isa"], isa)
-            self.assertEqual(without_times(result), expected, isa)
+        file = self.problem()
+        for bound in (["--noise-bound", 0.3], []):
+            arguments = [file, *bound, "--repeat", 3, "--truth", "p/pose.txt"]
+            expected = without_times(self.json(*arguments))
+            for threads in (1, 2, 5):
+                result = self.json(*arguments, "--threads", threads)
+                self.assertEqual(result["threads"], threads)
+                self.assertEqual(without_times(result), expected, f"{threads} threads")
+            for isa in self.isas():
+                result = self.json(*arguments, CONSIMD_ISA=isa)
+                self.assertEqual(result["isa"], isa)
+                self.assertEqual(without_times(result), expected, isa)
 
     def test_report(self):
         file = self.problem()
@@ -139,10 +199,11 @@ class Register(CommandTest):
 
     def test_bad_options(self):
         file = self.write("good.txt", "1 2 3 4 5 6\n" * 5)
-        self.assert_error("register", file, says="--noise-bound")
         self.assert_error("register", "--noise-bound", 1, says="FILE")
         for bound in ("0", "-1", "nan", "inf", "-inf", "x", "1m"):
             self.assert_error("register", file, "--noise-bound", bound, says="--noise-bound")
+            self.assert_error("register", file, "--noise-bound", bound, says=bound)
+        self.assert_error("register", file, "--noise-bound", says="--noise-bound")
         unknown = "unknown solver 'magic'; known: tcf"
         self.assert_error("register", file, "--noise-bound", 1, "--solver", "magic", says=unknown)
         for option in ("--threads", "--repeat"):

@@ -10,6 +10,7 @@
 #include <oneapi/tbb/task_arena.h>
 
 #include <bit>
+#include <optional>
 #include <ostream>
 #include <string>
 #include <string_view>
@@ -20,15 +21,24 @@
 namespace consimd::test {
 namespace {
 
+void append(std::vector<std::uint64_t>& bits, const RigidTransform& T) {
+  for (const double x : T.matrix().reshaped()) bits.push_back(std::bit_cast<std::uint64_t>(x));
+}
+
 /// All of a registration that must not vary: everything but times, the instruction set and the number of threads.
 std::vector<std::uint64_t> bits_of(const Registration& result) {
-  std::vector<std::uint64_t> bits{static_cast<std::uint64_t>(result.status), result.seed,
-                                  std::bit_cast<std::uint64_t>(result.log10_false_poses), result.inliers.size()};
-  for (Eigen::Index i = 0; i < 16; ++i) {
-    bits.push_back(std::bit_cast<std::uint64_t>(result.T_target_source.matrix()(i / 4, i % 4)));
+  std::vector<std::uint64_t> bits{static_cast<std::uint64_t>(result.status), result.seed, result.inliers.size()};
+  for (const double x : {result.log10_false_poses, result.noise_bound, result.consistency_bound}) {
+    bits.push_back(std::bit_cast<std::uint64_t>(x));
   }
+  append(bits, result.T_target_source);
   for (const double x : result.covariance.reshaped()) bits.push_back(std::bit_cast<std::uint64_t>(x));
   bits.insert(bits.end(), result.inliers.begin(), result.inliers.end());
+  if (result.runner_up) {
+    append(bits, result.runner_up->T_target_source);
+    bits.insert(bits.end(),
+                {result.runner_up->support, std::bit_cast<std::uint64_t>(result.runner_up->log10_false_poses)});
+  }
   for (const StageReport& stage : result.stages) {
     bits.insert(bits.end(), {stage.input, stage.output, stage.iterations});
   }
@@ -39,6 +49,8 @@ struct DeterminismCase {
   std::string name;
   std::string_view solver;
   synth::HardProblemOptions options;
+  std::optional<double> noise_bound = 3.0;
+  bool has_runner_up = false;
 };
 
 void PrintTo(const DeterminismCase& c, std::ostream* out) { *out << c.name; }
@@ -46,7 +58,10 @@ void PrintTo(const DeterminismCase& c, std::ostream* out) { *out << c.name; }
 class Determinism : public ::testing::TestWithParam<DeterminismCase> {
  protected:
   [[nodiscard]] std::vector<std::uint64_t> run() const {
-    return bits_of(register_by_name(GetParam().solver, correspondences_, {.noise_bound = 3.0, .seed = 5}));
+    const Registration result =
+        register_by_name(GetParam().solver, correspondences_, {.noise_bound = GetParam().noise_bound, .seed = 5});
+    EXPECT_TRUE(result.runner_up || !GetParam().has_runner_up);
+    return bits_of(result);
   }
 
   Correspondences correspondences_ = synth::hard_problem(GetParam().options).correspondences();
@@ -59,6 +74,12 @@ INSTANTIATE_TEST_SUITE_P(
         DeterminismCase{"few_outliers", "tcf", {.correspondences = 1000, .outlier_ratio = 0.3}},
         DeterminismCase{"many_outliers", "tcf", {.correspondences = 3000, .outlier_ratio = 0.98}},
         DeterminismCase{"no_pose", "tcf", {.correspondences = 500, .outlier_ratio = 1.0}},
+        DeterminismCase{
+            "two_poses", "tcf", {.correspondences = 2000, .outlier_ratio = 0.9, .decoy_share = 1.0}, 3.0, true},
+        DeterminismCase{"doubtful", "tcf", {.correspondences = 300, .outlier_ratio = 0.97}},
+        DeterminismCase{"no_bound", "tcf", {.correspondences = 300, .outlier_ratio = 0.9}, std::nullopt},
+        DeterminismCase{
+            "published_no_bound", "tcf-published", {.correspondences = 100, .outlier_ratio = 0.5}, std::nullopt},
         DeterminismCase{"published_few_outliers", "tcf-published", {.correspondences = 100, .outlier_ratio = 0.3}},
         DeterminismCase{"published_many_outliers", "tcf-published", {.correspondences = 300, .outlier_ratio = 0.9}}),
     [](const auto& test) { return test.param.name; });

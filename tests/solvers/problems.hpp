@@ -31,7 +31,8 @@ inline constexpr double kInfinity = std::numeric_limits<double>::infinity();
 inline constexpr std::array kBadLengths{0.0, -1.5, kNan, kInfinity, -kInfinity};
 inline constexpr std::array kBadConfidences{0.0, 1.0, -0.5, 1.5, kNan};
 
-/// Trials of a long test: a twentieth of `count` under the sanitizers, which make the solvers some fifteen times slower.
+/// Trials of a long test: a twentieth of `count` under the sanitizers, which make the solvers some fifteen times
+/// slower.
 constexpr std::uint64_t trials(std::uint64_t count) {
 #if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
   return std::max<std::uint64_t>(count / 20, 1);

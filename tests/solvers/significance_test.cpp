@@ -56,12 +56,11 @@ std::string name_of(const ::testing::TestParamInfo<synth::OutlierModel>& test) {
 }
 
 class SignificanceByChance : public ::testing::TestWithParam<synth::OutlierModel> {};
-INSTANTIATE_TEST_SUITE_P(
-    OutlierModels, SignificanceByChance,
-    // Clusters that point at clusters are beyond this test: its null pairs sources and targets freely.
-    ::testing::Values(synth::OutlierModel::uniform, synth::OutlierModel::permuted, synth::OutlierModel::one_to_many,
-                      synth::OutlierModel::many_to_many),
-    name_of);
+INSTANTIATE_TEST_SUITE_P(OutlierModels, SignificanceByChance,
+                         ::testing::Values(synth::OutlierModel::uniform, synth::OutlierModel::permuted,
+                                           synth::OutlierModel::clustered, synth::OutlierModel::one_to_many,
+                                           synth::OutlierModel::many_to_many),
+                         name_of);
 
 TEST_P(SignificanceByChance, BestPosesWithoutATruthAreNotSignificant) {
   // The expected number of problems whose best pose comes below -1 is a tenth of their number at most, and below -2 a

@@ -4,6 +4,7 @@
 #include <consimd/synth/noise_study.hpp>
 
 #include <functional>
+#include <optional>
 #include <set>
 #include <string>
 
@@ -52,6 +53,17 @@ TEST(Solver, EveryOneRejectsBadBounds) {
   }
 }
 
+TEST(Solver, EveryOneNeedsNoBound) {
+  const Problem problem = easy_problem();
+  for (const SolverInfo& info : solvers()) {
+    const Registration result = register_by_name(info.name, problem.correspondences(), {.noise_bound = std::nullopt});
+    EXPECT_NEAR(result.noise_bound, 3.0, 0.6) << info.name;
+    expect_sound(result, problem, result.noise_bound);
+    ASSERT_FALSE(result.stages.empty()) << info.name;
+    EXPECT_EQ(result.stages.front().name, "noise_bound") << info.name;
+  }
+}
+
 TEST(Solver, NameMeansTheFunction) {
   const Correspondences correspondences = easy_problem().correspondences();
   TcfOptions tcf;
@@ -75,10 +87,11 @@ TEST(Solver, NameMeansTheFunction) {
 TEST(Solver, StatusesHaveNames) {
   std::set<std::string_view> names;
   for (const Status status : {Status::success, Status::too_few_correspondences, Status::no_consensus,
-                              Status::degenerate_geometry, Status::budget_exhausted}) {
+                              Status::degenerate_geometry, Status::ambiguous, Status::budget_exhausted}) {
     EXPECT_TRUE(names.insert(to_string(status)).second);
   }
   EXPECT_EQ(to_string(Status::success), "success");
+  EXPECT_EQ(to_string(Status::ambiguous), "ambiguous");
 }
 
 }  // namespace

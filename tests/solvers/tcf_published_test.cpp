@@ -1,11 +1,14 @@
 // TCF as printed in the paper.
 #include <consimd/solvers/one_point_ransac.hpp>
 #include <consimd/solvers/sa_cauchy_irls.hpp>
+#include <consimd/solvers/solver.hpp>
 #include <consimd/solvers/tcf.hpp>
 #include <consimd/solvers/three_point_ransac.hpp>
 #include <consimd/solvers/two_point_ransac.hpp>
 #include <consimd/synth/metrics.hpp>
 #include <consimd/synth/noise_study.hpp>
+
+#include <optional>
 
 #include "problems.hpp"
 
@@ -28,6 +31,18 @@ TEST_P(TcfPublished, FindsPosesOfHardlyRotatedClouds) {
     const Problem problem = hardly_rotated(GetParam(), trial);
     const Registration result = register_tcf(problem.correspondences(), TcfOptions::as_published(3.0, trial));
     expect_sound(result, problem, 3.0);
+    EXPECT_EQ(result.status, Status::success) << "trial " << trial;
+    EXPECT_LT(synth::rmse_true_inliers(problem, result.T_target_source), 3.0) << "trial " << trial;
+  }
+}
+
+TEST_P(TcfPublished, FindsThemWithoutABound) {
+  for (std::uint64_t trial = 0; trial < 2; ++trial) {
+    const Problem problem = hardly_rotated(GetParam(), trial);
+    const Registration result =
+        register_by_name("tcf-published", problem.correspondences(), {.noise_bound = std::nullopt, .seed = trial});
+    expect_sound(result, problem, result.noise_bound);
+    EXPECT_NEAR(result.noise_bound, 3.0, 0.6) << "trial " << trial;
     EXPECT_EQ(result.status, Status::success) << "trial " << trial;
     EXPECT_LT(synth::rmse_true_inliers(problem, result.T_target_source), 3.0) << "trial " << trial;
   }
