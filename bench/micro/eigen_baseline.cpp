@@ -1,34 +1,11 @@
 #include "eigen_baseline.hpp"
 
-#include <algorithm>
-#include <cmath>
 #include <cstddef>
 
-#include <Eigen/Geometry>
-#include <Eigen/SVD>
+#include "eigen_geometry.hpp"
 
 namespace consimd::bench::eigen {
 namespace {
-
-bool length_consistent(const EigenCloud& c, std::size_t i, std::size_t j, double bound) {
-  return std::abs((c.source[i] - c.source[j]).norm() - (c.target[i] - c.target[j]).norm()) < bound;
-}
-
-double angle(const Eigen::Vector3d& a, const Eigen::Vector3d& b) {
-  return std::acos(std::clamp(a.normalized().dot(b.normalized()), -1.0, 1.0));
-}
-
-bool angle_consistent(const EigenCloud& c, std::size_t i, std::size_t j, std::size_t m, double bound) {
-  const Eigen::Vector3d x1 = c.source[i] - c.source[m];
-  const Eigen::Vector3d x2 = c.source[j] - c.source[m];
-  if (x1.norm() <= bound || x2.norm() <= bound) return true;
-  const double difference = angle(x1, x2) - angle(c.target[i] - c.target[m], c.target[j] - c.target[m]);
-  return std::abs(difference) < std::asin(bound / x1.norm()) + std::asin(bound / x2.norm());
-}
-
-double residual(const EigenCloud& c, const EigenPose& pose, std::size_t j) {
-  return (pose.R * c.source[j] + pose.t - c.target[j]).norm();
-}
 
 template <typename Test>
 std::uint32_t count(const EigenCloud& c, const Test& test) {
@@ -45,13 +22,6 @@ void collect(const EigenCloud& c, const Test& test, std::vector<std::uint32_t>* 
   for (std::size_t j = 0; j < c.source.size(); ++j) {
     if (test(j)) set->push_back(static_cast<std::uint32_t>(j));
   }
-}
-
-void add(const EigenCloud& c, std::size_t j, double weight, EigenMoments* moments) {
-  moments->weight += weight;
-  moments->source += weight * c.source[j];
-  moments->target += weight * c.target[j];
-  moments->cross += weight * c.target[j] * c.source[j].transpose();
 }
 
 }  // namespace
@@ -123,10 +93,7 @@ EigenPose three_point_fit(const EigenCloud& c, const std::uint32_t (&rows)[3]) {
   const Eigen::Vector3d source_mean = source.rowwise().mean();
   const Eigen::Vector3d target_mean = target.rowwise().mean();
   const Eigen::Matrix3d cross = (target.colwise() - target_mean) * (source.colwise() - source_mean).transpose();
-  const Eigen::JacobiSVD<Eigen::Matrix3d> svd(cross, Eigen::ComputeFullU | Eigen::ComputeFullV);
-  Eigen::Vector3d signs(1.0, 1.0, (svd.matrixU() * svd.matrixV().transpose()).determinant());
-  const Eigen::Matrix3d R = svd.matrixU() * signs.asDiagonal() * svd.matrixV().transpose();
-  return {R, target_mean - R * source_mean};
+  return kabsch(cross, source_mean, target_mean);
 }
 
 void consistency_matrix(const EigenCloud& c, double bound, std::vector<char>* matrix) {

@@ -8,6 +8,7 @@
 
 #include <consimd/kernels/isa.hpp>
 
+#include "clock_benchmark.hpp"
 #include "kernel_benchmarks.hpp"
 #include "registration_benchmarks.hpp"
 #include "study/build_info.hpp"
@@ -36,7 +37,7 @@ void describe_build() {
 }  // namespace
 
 int main(int argc, char** argv) try {
-  // Some 300 benchmarks: a tenth of a second each unless told otherwise. Later arguments override earlier ones.
+  // Some 400 benchmarks: a tenth of a second each unless told otherwise. Later arguments override earlier ones.
   std::string min_time = "--benchmark_min_time=0.1";
   std::vector<char*> arguments{argv[0], min_time.data()};
   arguments.insert(arguments.end(), argv + 1, argv + argc);
@@ -45,6 +46,7 @@ int main(int argc, char** argv) try {
   benchmark::Initialize(&count, arguments.data());
   if (benchmark::ReportUnrecognizedArguments(count, arguments.data())) return 2;
   describe_build();
+  consimd::bench::register_clock_benchmark();
   consimd::bench::register_kernel_benchmarks();
   consimd::bench::register_registration_benchmarks();
   benchmark::RunSpecifiedBenchmarks();

@@ -1,49 +1,44 @@
 #include "registration_benchmarks.hpp"
 
 #include <algorithm>
-#include <cstdlib>
 #include <ctime>
 #include <filesystem>
-#include <fstream>
 #include <functional>
-#include <sstream>
-#include <stdexcept>
+#include <map>
+#include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include <benchmark/benchmark.h>
 #include <fmt/format.h>
 #include <oneapi/tbb/task_arena.h>
-#include <nlohmann/json.hpp>
 
+#include <consimd/kernels/isa.hpp>
 #include <consimd/solvers/tcf.hpp>
-#include <consimd/synth/metrics.hpp>
-#include <consimd/synth/noise_study.hpp>
+
+#include "eigen_tcf.hpp"
+#include "peak_memory.hpp"
+#include "registration_tasks.hpp"
 
 namespace consimd::bench {
 namespace {
 
 constexpr int kSeeds = 50;
 
-/// What a registration gets, and how its result is judged.
-struct Task {
-  Correspondences correspondences;
-  double noise_bound;
-  std::function<bool(const Registration&)> found;
+/// The task of iteration k, which has seed k + 1.
+using TaskOf = std::function<std::shared_ptr<const RegistrationTask>(std::uint64_t k)>;
+
+struct Attempt {
+  std::optional<RigidTransform> pose;
+  std::vector<StageReport> stages;
 };
+using Solve = std::function<Attempt(const RegistrationTask&, std::uint64_t seed)>;
 
 double thread_seconds() {
   timespec now{};
   clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);
   return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
-}
-
-Registration run(const Task& task, std::uint64_t seed) {
-  return register_tcf(task.correspondences, {.noise_bound = task.noise_bound, .seed = seed});
-}
-
-bool same_result(const Registration& a, const Registration& b) {
-  return a.status == b.status && a.inliers == b.inliers && a.T_target_source.matrix() == b.T_target_source.matrix();
 }
 
 double median(std::vector<double> values) {
@@ -52,107 +47,126 @@ double median(std::vector<double> values) {
   return n == 0 ? 0.0 : 0.5 * (values[(n - 1) / 2] + values[n / 2]);
 }
 
-/// task_of(k) gives the task of iteration k, with seed k + 1.
-template <typename TaskOf>
-void measure(benchmark::State& state, Isa isa, const TaskOf& task_of) {
+void measure(benchmark::State& state, const TaskOf& task_of, const Solve& solve) {
+  std::vector<double> milliseconds;
+  std::map<std::string, std::vector<double>> stages;
+  int found = 0;
+  for (auto _ : state) {
+    const std::uint64_t k = milliseconds.size();
+    const std::shared_ptr<const RegistrationTask> task = task_of(k);
+    const double start = thread_seconds();
+    const Attempt attempt = solve(*task, k + 1);
+    const double seconds = thread_seconds() - start;
+    state.SetIterationTime(seconds);
+    milliseconds.push_back(1e3 * seconds);
+    for (const StageReport& stage : attempt.stages) stages[stage.name].push_back(1e3 * stage.seconds);
+    found += attempt.pose && task->found(*attempt.pose) ? 1 : 0;
+  }
+  state.counters["recall"] = static_cast<double>(found) / static_cast<double>(milliseconds.size());
+  state.counters["median_ms"] = median(milliseconds);
+  for (const auto& [name, times] : stages) state.counters[name + "_ms"] = median(times);
+}
+
+Registration run_tcf(const RegistrationTask& task, std::uint64_t seed, std::uint32_t max_seeds) {
+  return register_tcf(task.correspondences, {.noise_bound = task.noise_bound, .seed = seed, .max_seeds = max_seeds});
+}
+
+bool same_result(const Registration& a, const Registration& b) {
+  return a.status == b.status && a.inliers == b.inliers && a.T_target_source.matrix() == b.T_target_source.matrix();
+}
+
+void measure_tcf(benchmark::State& state, Isa isa, const TaskOf& task_of, std::uint32_t max_seeds) {
   oneapi::tbb::task_arena(1).execute([&] {
-    const Task& first = task_of(0);
+    const std::shared_ptr<const RegistrationTask> first = task_of(0);
     set_active_isa(Isa::scalar);
-    const Registration reference = run(first, 1);
+    const Registration reference = run_tcf(*first, 1, max_seeds);
     set_active_isa(isa);
-    if (!same_result(run(first, 1), reference)) {
+    Registration result;
+    const std::optional<std::size_t> peak = peak_memory_bytes([&] { result = run_tcf(*first, 1, max_seeds); });
+    if (!same_result(result, reference)) {
       state.SkipWithError("differs from the scalar reference");
       return;
     }
-    std::vector<double> seconds;
-    int found = 0;
-    for (auto _ : state) {
-      const std::uint64_t k = seconds.size();
-      const Task& task = task_of(k);
-      const double start = thread_seconds();
-      const Registration result = run(task, k + 1);
-      seconds.push_back(thread_seconds() - start);
-      state.SetIterationTime(seconds.back());
-      found += task.found(result) ? 1 : 0;
-    }
-    state.counters["recall"] = static_cast<double>(found) / static_cast<double>(seconds.size());
-    state.counters["median_ms"] = 1e3 * median(seconds);
+    measure(state, task_of, [max_seeds](const RegistrationTask& task, std::uint64_t seed) {
+      const Registration found = run_tcf(task, seed, max_seeds);
+      return Attempt{found.has_pose() ? std::optional(found.T_target_source) : std::nullopt, found.stages};
+    });
+    if (peak) state.counters["peak_mib"] = static_cast<double>(*peak) / (1 << 20);
   });
 }
 
-Task noise_study_task(double outlier_ratio, double sigma, std::uint64_t trial) {
-  const synth::Problem problem =
-      synth::noise_study_problem({.outlier_ratio = outlier_ratio, .sigma = sigma, .trial = trial});
-  return {problem.correspondences(), synth::noise_study_bound(sigma), [problem](const Registration& result) {
-            return result.has_pose() && synth::rmse_true_inliers(problem, result.T_target_source) < 3.0 * problem.sigma;
-          }};
-}
-
-/// The numbers of a text file, comments aside.
-std::vector<double> read_numbers(const std::filesystem::path& path) {
-  std::ifstream file(path);
-  if (!file) throw std::runtime_error(fmt::format("cannot read {}", path.string()));
-  std::vector<double> numbers;
-  for (std::string line; std::getline(file, line);) {
-    std::istringstream text(line.substr(0, line.find('#')));
-    for (double number = 0.0; text >> number;) numbers.push_back(number);
-  }
-  return numbers;
-}
-
-Task recorded_task(const std::filesystem::path& folder) {
-  const std::vector<double> rows = read_numbers(folder / "correspondences.txt");
-  const std::vector<double> pose = read_numbers(folder / "pose.txt");
-  if (rows.size() % 6 != 0 || pose.size() != 16) {
-    throw std::runtime_error(fmt::format("{}: expected N x 6 correspondences and a 4 x 4 pose", folder.string()));
-  }
-  std::ifstream case_file(folder / "case.json");
-  const nlohmann::json limits = nlohmann::json::parse(case_file);
-  const double max_rotation = limits.at("max_rotation_error_deg");
-  const double max_translation = limits.at("max_translation_error_m");
-  RigidTransform truth;
-  truth.matrix() = Eigen::Map<const Eigen::Matrix<double, 4, 4, Eigen::RowMajor>>(pose.data());
-  const std::size_t size = rows.size() / 6;
-  return {Correspondences(PointSpan<double>{rows.data(), size, 6, 1}, PointSpan<double>{rows.data() + 3, size, 6, 1}),
-          limits.at("noise_bound"), [=](const Registration& result) {
-            return result.has_pose() && synth::rotation_error_deg(result.T_target_source, truth) <= max_rotation &&
-                   synth::translation_error(result.T_target_source, truth) <= max_translation;
-          }};
+void measure_eigen(benchmark::State& state, const TaskOf& task_of, bool prune) {
+  measure(state, task_of, [prune](const RegistrationTask& task, std::uint64_t seed) {
+    const std::optional<EigenPose> found =
+        eigen::register_tcf(task.eigen, {.noise_bound = task.noise_bound, .prune = prune, .seed = seed});
+    if (!found) return Attempt{};
+    RigidTransform pose = RigidTransform::Identity();
+    pose.linear() = found->R;
+    pose.translation() = found->t;
+    return Attempt{pose, {}};
+  });
 }
 
 template <typename Benchmark>
-void add(const std::string& name, Benchmark run_benchmark) {
-  benchmark::RegisterBenchmark(name.c_str(), run_benchmark)
-      ->Iterations(kSeeds)
+benchmark::internal::Benchmark* add(const std::string& name, int iterations, Benchmark run_benchmark) {
+  return benchmark::RegisterBenchmark(name.c_str(), run_benchmark)
+      ->Iterations(iterations)
       ->UseManualTime()
       ->Unit(benchmark::kMillisecond);
+}
+
+void add_tcf(const std::string& name, int iterations, const TaskOf& task_of,
+             std::uint32_t max_seeds = TcfOptions{}.max_seeds) {
+  const Isa isa = active_isa();
+  add("register_tcf/" + name, iterations,
+      [=](benchmark::State& state) { measure_tcf(state, isa, task_of, max_seeds); });
+}
+
+void add_eigen(const std::string& name, int iterations, const TaskOf& task_of) {
+  add("register_eigen/" + name, iterations, [=](benchmark::State& state) { measure_eigen(state, task_of, false); });
+}
+
+void add_all(const std::string& name, const TaskOf& task_of) {
+  add_tcf(name, kSeeds, task_of);
+  add_eigen(name, kSeeds, task_of);
+  add("register_eigen_pruned/" + name, kSeeds, [=](benchmark::State& state) {
+    measure_eigen(state, task_of, true);
+  })->Repetitions(1);  // up to half a second for each seed
+}
+
+TaskOf noise_study_tasks(double outlier_ratio, double sigma, std::size_t size = 3000) {
+  return [=](std::uint64_t k) {
+    return std::make_shared<const RegistrationTask>(
+        noise_study_task({.correspondences = size, .outlier_ratio = outlier_ratio, .sigma = sigma, .trial = k}));
+  };
 }
 
 }  // namespace
 
 void register_registration_benchmarks() {
-  const Isa isa = active_isa();
   for (const double sigma : {0.1, 1.0, 2.5, 5.0}) {
     for (const double outlier_ratio : {0.1, 0.5, 0.9, 0.95, 0.98}) {
-      add(fmt::format("register_tcf/noise/outliers:{}/sigma:{}", outlier_ratio, sigma), [=](benchmark::State& state) {
-        Task task;
-        measure(state, isa,
-                [&](std::uint64_t k) -> const Task& { return task = noise_study_task(outlier_ratio, sigma, k); });
-      });
+      add_all(fmt::format("noise/outliers:{}/sigma:{}", outlier_ratio, sigma), noise_study_tasks(outlier_ratio, sigma));
     }
   }
-  const char* const data = std::getenv("CONSIMD_TEST_DATA");
-  if (data == nullptr) return;
-  std::vector<std::filesystem::path> folders;
-  for (const auto& entry : std::filesystem::directory_iterator(std::filesystem::path(data) / "correspondences")) {
-    if (std::filesystem::exists(entry.path() / "case.json")) folders.push_back(entry.path());
+  for (const std::filesystem::path& folder : recorded_pairs()) {
+    add_all("pair/" + folder.filename().string(),
+            [task = std::make_shared<const RegistrationTask>(recorded_task(folder))](std::uint64_t) { return task; });
   }
-  std::sort(folders.begin(), folders.end());
-  for (const std::filesystem::path& folder : folders) {
-    add(fmt::format("register_tcf/pair/{}", folder.filename().string()), [=](benchmark::State& state) {
-      const Task task = recorded_task(folder);
-      measure(state, isa, [&](std::uint64_t) -> const Task& { return task; });
-    });
+  for (const int size : {1'000, 3'000, 10'000, 30'000, 100'000, 300'000, 1'000'000}) {
+    const int iterations = std::clamp(1'000'000 / size, 5, kSeeds);
+    const TaskOf tasks = noise_study_tasks(0.95, 0.1, static_cast<std::size_t>(size));
+    add_tcf(fmt::format("size:{}", size), iterations, tasks);
+    add_eigen(fmt::format("size:{}", size), iterations, tasks);
+  }
+  struct Cell {
+    double outlier_ratio, sigma;
+  };
+  for (const Cell cell : {Cell{0.98, 1.0}, {0.98, 5.0}, {0.99, 2.5}, {0.995, 1.0}}) {
+    for (std::uint32_t seeds = 16; seeds <= 4096; seeds *= 2) {
+      add_tcf(fmt::format("budget/outliers:{}/sigma:{}/seeds:{}", cell.outlier_ratio, cell.sigma, seeds), kSeeds,
+              noise_study_tasks(cell.outlier_ratio, cell.sigma), seeds);
+    }
   }
 }
 

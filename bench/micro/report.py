@@ -1,38 +1,20 @@
 #!/usr/bin/env python3
-"""Turns consimd_bench results (--benchmark_out=FILE.json) into the Markdown tables of docs/performance.md.
+"""Turns the results of consimd_bench into the Markdown tables of docs/performance.md.
 
-usage: report.py FILE.json [FILE.json ...]
+usage: report.py FILE.json [KEPT.json]     KEPT.json: what the tables and figures need of FILE.json, in its place
 
-Medians over the repetitions where there are any. Ratios compare values of one file, so of one run on one machine.
+Medians over the repetitions where there are any. Ratios compare values of one run on one machine.
 """
 
-import json
 import sys
 from collections import defaultdict
 
+from bench_results import Results
+
 ISAS = ("scalar", "sse2", "neon", "avx2", "avx512")  # narrowest first
 BASELINES = ("loop", "textbook", "eigen")
-CONTEXT = ("cpu", "system", "consimd_commit", "consimd_compiler", "consimd_build_type", "consimd_flags", "consimd_threads")
-
-
-def results(run):
-    """One entry a benchmark: its median where it was repeated, else its only measurement. Failed ones are left out."""
-    chosen = {}
-    for entry in run["benchmarks"]:
-        if entry.get("error_occurred"):
-            print(f"left out, {entry['error_message']}: {entry['name']}", file=sys.stderr)
-        elif entry["run_type"] == "iteration":
-            chosen.setdefault(entry["run_name"], entry)
-        elif entry["aggregate_name"] == "median":
-            chosen[entry["run_name"]] = entry
-    # The order of registration: with random interleaving that of the file is another.
-    return dict(sorted(chosen.items(), key=lambda item: item[1]["family_index"]))
-
-
-def spread(run):
-    """Largest coefficient of variation of the CPU times, or None without repetitions."""
-    values = [e["cpu_time"] for e in run["benchmarks"] if e.get("aggregate_name") == "cv" and "cpu_time" in e]
-    return max(values, default=None)
+CONTEXT = ("cpu", "system", *(f"consimd_{key}" for key in ("commit", "compiler", "build_type", "flags", "threads")))
+STAGES = ("one_point", "two_point", "three_point", "irls")
 
 
 def table(header, rows):
@@ -41,68 +23,130 @@ def table(header, rows):
 
 
 def ratio(value, base):
-    return f"{value / base:.1f}" if value and base else ""
+    if not (value and base):
+        return ""
+    return f"{value / base:.0f}" if value >= 99.95 * base else f"{value / base:.1f}"
 
 
-def kernel_tables(entries):
+def digits(value):
+    """Three, without an exponent."""
+    return f"{value:.0f}" if value >= 99.95 else f"{value:.3g}"
+
+
+def time_ratio(values, base):
+    """Of two solvers' times, where the first finds the pose no less often."""
+    if not values or values["recall"] < base["recall"]:
+        return ""
+    return ratio(values["median_ms"], base["median_ms"])
+
+
+def median_time(values):
+    """Milliseconds, and the recall where it is not all."""
+    if not values:
+        return ""
+    return digits(values["median_ms"]) + ("" if values["recall"] == 1 else f" ({100 * values['recall']:.0f} %)")
+
+
+def context_lines(results):
+    context = "; ".join(f"{key.removeprefix('consimd_')}: {results.context.get(key, 'unknown')}" for key in CONTEXT)
+    clock = results.values.get("clock")
+    lines = [context + "."] + ([f"Clock: {clock['items_per_second'] / 1e9:.2f} GHz."] if clock else [])
+    if spreads := results.spreads():
+        middle, most = spreads[len(spreads) // 2], spreads[-1]
+        variation = f"{100 * middle:.1f} % in the median, {100 * most:.0f} % at most"
+        lines.append(f"Coefficient of variation over the repetitions: {variation}.")
+    return "\n".join(lines) + "\n"
+
+
+def kernel_tables(results):
     by_size = defaultdict(lambda: defaultdict(dict))
     present, items = set(), {}
-    for name, entry in entries.items():
-        kernel, size, variant = name.split("/")
-        by_size[int(size)][kernel][variant] = entry["items_per_second"] / 1e9
-        items[kernel] = entry["label"]
-        present.add(variant)
+    for (kernel, *where), values in results.under(""):
+        if len(where) == 2 and where[1] in ISAS + BASELINES:
+            size, variant = where
+            by_size[int(size)][kernel][variant] = values["items_per_second"] / 1e9
+            items[kernel] = values["items"]
+            present.add(variant)
     isas = [isa for isa in ISAS if isa in present]
     baselines = [baseline for baseline in BASELINES if baseline in present]
     widest = isas[-1] if isas else "none"
     for size in sorted(by_size):
-        print(f"### {size} correspondences, in 10^9 a second\n")
         rows = []
         for kernel, rates in by_size[size].items():
             best = rates.get(widest)
             rows.append(
                 [f"`{kernel}`, {items[kernel]}"]
-                + [f"{rates[v]:.3g}" if v in rates else "" for v in (*isas, *baselines)]
+                + [digits(rates[v]) if v in rates else "" for v in (*isas, *baselines)]
                 + [ratio(best, rates.get(base)) for base in ("scalar", *baselines)]
             )
         header = ["kernel", *isas, *baselines, *(f"{widest} / {base}" for base in ("scalar", *baselines))]
-        print(table(header, rows))
+        yield f"### {size} correspondences, in 10^9 a second\n\n" + table(header, rows)
 
 
-def registration_tables(entries):
-    cells, pairs = defaultdict(dict), []
-    for name, entry in entries.items():
-        parts = name.removeprefix("register_tcf/").removesuffix("/manual_time").split("/")
-        parts = [p for p in parts if not p.startswith("iterations:")]
-        text = f"{entry['median_ms']:.2f}" + ("" if entry["recall"] == 1 else f" ({100 * entry['recall']:.0f} %)")
-        if parts[0] == "noise":
-            outliers, sigma = (float(part.split(":")[1]) for part in parts[1:])
-            cells[sigma][outliers] = text
-        else:
-            pairs.append([parts[1], f"{entry['median_ms']:.2f}", f"{100 * entry['recall']:.0f} %"])
+def registration_tables(results):
+    baselines = {tuple(parts): values for parts, values in results.under("register_eigen/")}
+    pruned = {tuple(parts): values for parts, values in results.under("register_eigen_pruned/")}
+    rows = defaultdict(list)
+    for (kind, *where), values in results.under("register_tcf/"):
+        if kind not in ("noise", "pair"):
+            continue
+        fields = dict(part.split(":") for part in where) if kind == "noise" else {}
+        name = f"{100 * float(fields['outliers']):g} %, {fields['sigma']} m" if fields else where[0]
+        plain, slow = (others.get((kind, *where)) for others in (baselines, pruned))
+        rows[kind].append(
+            [name, median_time(values)]
+            + [digits(values[f"{stage}_ms"]) if f"{stage}_ms" in values else "" for stage in STAGES]
+            + [median_time(plain), median_time(slow)]
+            + [time_ratio(other, values) for other in (plain, slow)]
+        )
+    for kind, first, title in (("noise", "outliers, sigma", "noise study"), ("pair", "pair", "recorded pairs")):
+        if kind in rows:
+            stages = [stage.replace("_", "-") for stage in STAGES]
+            header = [first, "tcf", *stages, "eigen", "eigen, pruned", "eigen / tcf", "pruned / tcf"]
+            heading = f"### Registrations, {title}: median ms, and recall where it is not 100 %\n\n"
+            yield heading + table(header, rows[kind])
+
+
+def growth_table(results):
+    baselines = {parts[0]: values for parts, values in results.under("register_eigen/size:")}
+    rows = []
+    for (size,), values in results.under("register_tcf/size:"):
+        plain = baselines.get(size)
+        rows.append(
+            [size, median_time(values), digits(1e6 * values["median_ms"] / float(size))]
+            + [f"{values['peak_mib']:.2f}" if "peak_mib" in values else "", f"{24 * float(size) / 2**20:.2f}"]
+            + [median_time(plain), time_ratio(plain, values)]
+        )
+    if rows:
+        memory = ["memory, MiB", "correspondences' own, MiB"]
+        header = ["correspondences", "tcf, ms", "ns per correspondence", *memory, "eigen, ms", "eigen / tcf"]
+        yield "### Growth, 95 % outliers, sigma 0.1 m\n\n" + table(header, rows)
+
+
+def budget_table(results):
+    cells = defaultdict(dict)
+    for (outliers, sigma, seeds), values in results.under("register_tcf/budget/"):
+        outliers, sigma, seeds = (part.split(":")[1] for part in (outliers, sigma, seeds))
+        text = f"{100 * values['recall']:.0f} %, {values['mean_ms']:.2f}"
+        cells[f"{100 * float(outliers):g} %, {sigma} m"][int(seeds)] = text
     if cells:
-        ratios = sorted({share for row in cells.values() for share in row})
-        print("### Whole registrations, noise study: median ms, and the share that succeeded where it is not all\n")
-        header = ["sigma", *(f"{100 * r:g} % outliers" for r in ratios)]
-        print(table(header, [[f"{s:g} m", *(cells[s].get(r, "") for r in ratios)] for s in sorted(cells)]))
-    if pairs:
-        print("### Whole registrations, recorded pairs\n")
-        print(table(["pair", "median ms", "within the error limits"], pairs))
+        budgets = sorted({seeds for row in cells.values() for seeds in row})
+        rows = [[str(seeds), *(row.get(seeds, "") for row in cells.values())] for seeds in budgets]
+        yield "### Recall and mean ms within max_seeds\n\n" + table(["max_seeds", *cells], rows)
 
 
-def main(paths):
-    if not paths:
+def tables(results):
+    for make in (kernel_tables, registration_tables, growth_table, budget_table):
+        yield from make(results)
+
+
+def main(arguments):
+    if len(arguments) not in (1, 2):
         sys.exit(__doc__.strip())
-    for path in paths:
-        with open(path, encoding="utf-8") as file:
-            run = json.load(file)
-        print("; ".join(f"{key.removeprefix('consimd_')}: {run['context'].get(key, 'unknown')}" for key in CONTEXT), end=".\n")
-        if (largest := spread(run)) is not None:
-            print(f"Largest coefficient of variation of a CPU time over the repetitions: {100 * largest:.1f} %.")
-        print()
-        entries = results(run)
-        kernel_tables({n: e for n, e in entries.items() if not n.startswith("register_tcf/")})
-        registration_tables({n: e for n, e in entries.items() if n.startswith("register_tcf/")})
+    results = Results(arguments[0])
+    if len(arguments) == 2:
+        results.keep(arguments[1])
+    print("\n".join([context_lines(results), *tables(results)]), end="")
 
 
 if __name__ == "__main__":

@@ -14,15 +14,6 @@ namespace {
 
 constexpr std::align_val_t kAlignment{64};
 
-EigenCloud eigen_cloud(const synth::Problem& problem) {
-  EigenCloud cloud;
-  for (std::size_t j = 0; j < problem.size(); ++j) {
-    cloud.source.emplace_back(&problem.source[3 * j]);
-    cloud.target.emplace_back(&problem.target[3 * j]);
-  }
-  return cloud;
-}
-
 LoopPose loop_pose(const WorkingPose& pose) {
   LoopPose copy{};
   for (int k = 0; k < 9; ++k) copy.rotation[k] = pose.rotation[k];
@@ -32,6 +23,15 @@ LoopPose loop_pose(const WorkingPose& pose) {
 
 }  // namespace
 
+EigenCloud eigen_cloud(const std::vector<double>& source, const std::vector<double>& target) {
+  EigenCloud cloud;
+  for (std::size_t k = 0; k < source.size(); k += 3) {
+    cloud.source.emplace_back(&source[k]);
+    cloud.target.emplace_back(&target[k]);
+  }
+  return cloud;
+}
+
 void Workload::AlignedDelete::operator()(float* weights) const noexcept { ::operator delete[](weights, kAlignment); }
 
 Workload::Workload(std::size_t size) {
@@ -39,7 +39,7 @@ Workload::Workload(std::size_t size) {
       synth::noise_study_problem({.correspondences = size, .outlier_ratio = 0.9, .sigma = noise_bound / 3.0});
   correspondences = problem.correspondences();
   const CorrespondenceView view = correspondences;
-  eigen = eigen_cloud(problem);
+  eigen = eigen_cloud(problem.source, problem.target);
   for (std::size_t axis = 0; axis < 3; ++axis) {
     loop.source[axis] = view.source(axis);
     loop.target[axis] = view.target(axis);

@@ -17,6 +17,9 @@ namespace consimd::bench {
 /// Hypotheses that a kernel is given at once, a round of the solvers.
 inline constexpr std::size_t kBatch = 64;
 
+/// N x 3 coordinates each, row-major.
+[[nodiscard]] EigenCloud eigen_cloud(const std::vector<double>& source, const std::vector<double>& target);
+
 /// A problem of the noise study, 90 % outliers, sigma 1 m, with hypotheses drawn from it; and the same in the forms
 /// that the baselines read.
 struct Workload {

@@ -10,6 +10,8 @@
 namespace consimd::test {
 namespace {
 
+constexpr std::uint64_t kTrials = trials(20);
+
 /// Size, share of outliers (the second motion's rows included), sigma.
 class Ambiguity : public ::testing::TestWithParam<std::tuple<std::size_t, double, double>> {
  protected:
@@ -36,7 +38,7 @@ class Ambiguity : public ::testing::TestWithParam<std::tuple<std::size_t, double
   /// little less where its support is smaller. At 98 % more than three of twenty would be missed once in 1500 cells.
   static void expect_both_motions(const synth::HardProblemOptions& base) {
     std::uint64_t ambiguous = 0;
-    for (std::uint64_t trial = 0; trial < 20; ++trial) {
+    for (std::uint64_t trial = 0; trial < kTrials; ++trial) {
       SCOPED_TRACE(::testing::Message() << "trial " << trial);
       synth::HardProblemOptions of_trial = base;
       of_trial.trial = trial;
@@ -56,7 +58,7 @@ class Ambiguity : public ::testing::TestWithParam<std::tuple<std::size_t, double
       EXPECT_GT(support, 0.7);
       EXPECT_LT(support, 1.3);
     }
-    EXPECT_GE(ambiguous, 17u);
+    EXPECT_GE(ambiguous + 3, kTrials);
   }
 };
 INSTANTIATE_TEST_SUITE_P(Cells, Ambiguity,
@@ -84,7 +86,7 @@ TEST_P(Ambiguity, ObjectThatIsItsOwnImageWhenTurned) {
 
 TEST_P(Ambiguity, HalfOfTheSupportIsNoRival) {
   for (const bool symmetric : {false, true}) {
-    for (std::uint64_t trial = 0; trial < 20; ++trial) {
+    for (std::uint64_t trial = 0; trial < kTrials; ++trial) {
       SCOPED_TRACE(::testing::Message() << "symmetric " << symmetric << ", trial " << trial);
       synth::HardProblemOptions weaker = options(trial);
       weaker.decoy_share = 0.5;
@@ -102,7 +104,7 @@ TEST_P(Ambiguity, HalfOfTheSupportIsNoRival) {
 }
 
 TEST_P(Ambiguity, NoSecondMotionIsNoRival) {
-  for (std::uint64_t trial = 0; trial < 20; ++trial) {
+  for (std::uint64_t trial = 0; trial < kTrials; ++trial) {
     SCOPED_TRACE(::testing::Message() << "trial " << trial);
     const Problem problem = synth::hard_problem(options(trial));
     const Registration result = run(problem, trial);
@@ -118,7 +120,7 @@ TEST(AmbiguityOfManyRows, TwoMotionsAreFoundWhereSetsAreLarge) {
   // Sets of thousands are searched in samples; still the better of two motions must win, and a rival be told.
   for (const double share : {0.5, 0.9}) {
     std::uint64_t ambiguous = 0;
-    for (std::uint64_t trial = 0; trial < 20; ++trial) {
+    for (std::uint64_t trial = 0; trial < kTrials; ++trial) {
       SCOPED_TRACE(::testing::Message() << "second motion of " << share << ", trial " << trial);
       const Problem problem =
           synth::hard_problem({.correspondences = 8000, .outlier_ratio = 0.5, .trial = trial, .decoy_share = share});
@@ -130,7 +132,7 @@ TEST(AmbiguityOfManyRows, TwoMotionsAreFoundWhereSetsAreLarge) {
       EXPECT_TRUE(result.status == Status::ambiguous ||
                   displacement(problem, result.T_target_source, problem.T_target_source) < 3.0);
     }
-    EXPECT_TRUE(share < 0.8 ? ambiguous == 0 : ambiguous >= 17) << ambiguous;
+    EXPECT_TRUE(share < 0.8 ? ambiguous == 0 : ambiguous + 3 >= kTrials) << ambiguous;
   }
 }
 

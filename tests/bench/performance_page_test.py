@@ -1,0 +1,77 @@
+"""The tables of docs/performance.md against the results that are kept beside it."""
+
+import json
+import pathlib
+import subprocess
+import sys
+import tempfile
+import unittest
+
+ROOT = pathlib.Path(__file__).resolve().parents[2]
+SCRIPTS = ROOT / "bench/micro"
+sys.path.insert(0, str(SCRIPTS))
+from bench_results import Results  # noqa: E402
+from report import tables  # noqa: E402
+
+
+def has_matplotlib(python):
+    try:
+        return subprocess.run([python, "-c", "import matplotlib"], capture_output=True, check=False).returncode == 0
+    except FileNotFoundError:
+        return False
+
+
+PLOTTER = next(filter(has_matplotlib, (sys.executable, "/usr/bin/python3")), None)
+
+
+def entry(name, aggregate, **values):
+    return {"run_name": name, "run_type": "aggregate", "aggregate_name": aggregate, "family_index": 0, **values}
+
+
+class PerformancePage(unittest.TestCase):
+    def setUp(self):
+        folder = tempfile.TemporaryDirectory()
+        self.addCleanup(folder.cleanup)
+        self.folder = pathlib.Path(folder.name)
+
+    def test_tables_are_those_of_the_kept_results(self):
+        page = (ROOT / "docs/performance.md").read_text(encoding="utf-8")
+        shown = [table for table in tables(Results(ROOT / "docs/performance.json")) if table.splitlines()[0] in page]
+        self.assertGreaterEqual(len(shown), 4)
+        for table in shown:
+            self.assertIn(table, page)
+
+    def test_keeps_medians_and_no_host(self):
+        name = "register_tcf/size:1000/iterations:50/manual_time"
+        median = {"real_time": 0.25, "median_ms": 0.212345, "recall": 0.98, "irls_ms": 0.05, "peak_mib": 1.5}
+        run = {
+            "context": {"host_name": "somewhere", "executable": "/some/where", "cpu": "a processor", "caches": []},
+            "benchmarks": [
+                entry("copies/3000/avx2", "mean", items_per_second=5e9),
+                entry("copies/3000/avx2", "median", items_per_second=4e9, label="bytes"),
+                entry(name, "cv", median_ms=0.03, real_time=0.5),
+                entry(name, "median", **median),
+            ],
+        }
+        (self.folder / "bench.json").write_text(json.dumps(run), encoding="utf-8")
+        Results(self.folder / "bench.json").keep(self.folder / "kept.json")
+        kept = Results(self.folder / "kept.json")
+        self.assertNotIn("where", (self.folder / "kept.json").read_text(encoding="utf-8"))
+        self.assertEqual(kept.context, {"cpu": "a processor", "caches": []})
+        self.assertEqual(kept.values["copies/3000/avx2"], {"items": "bytes", "items_per_second": 4e9})
+        self.assertEqual(
+            kept.values["register_tcf/size:1000"],
+            {"mean_ms": 0.25, "median_ms": 0.2123, "recall": 0.98, "irls_ms": 0.05, "peak_mib": 1.5, "cv": 0.03},
+        )
+        self.assertIn("| 1000 | 0.212 (98 %) | 212 | 1.50 | 0.02 |", "".join(tables(kept)))
+
+    @unittest.skipIf(PLOTTER is None, "no Python with matplotlib")
+    def test_figures(self):
+        script = [PLOTTER, "-B", SCRIPTS / "plot_performance.py", ROOT / "docs/performance.json", self.folder]
+        subprocess.run(script, check=True)
+        for figure in ("time_over_size", "recall_over_time"):
+            self.assertGreater((self.folder / f"{figure}.svg").stat().st_size, 10_000)
+
+
+if __name__ == "__main__":
+    unittest.main()
