@@ -20,7 +20,7 @@ struct LengthTest {
     const Batch<Arch> a = dot(dp, dp);
     const Batch<Arch> b = dot(dq, dq);
     const Batch<Arch> difference = a - b;
-    return difference * difference < larger(twice_squared * (a + b) - floor, floor);
+    return below_larger<Arch>(difference * difference, twice_squared * (a + b) - floor, floor);
   }
 
   Vec3<Arch> p, q;
