@@ -41,6 +41,9 @@ constexpr std::uint64_t trials(std::uint64_t count) {
 #endif
 }
 
+/// Whether a long test has trials enough for its means to be held against limits.
+inline constexpr bool kAllTrials = trials(20) == 20;
+
 inline Eigen::Vector3d source_point(const Problem& problem, std::size_t k) {
   return Eigen::Vector3d(&problem.source[3 * k]);
 }

@@ -39,7 +39,7 @@ TEST_P(TcfNoiseStudy, FindsEveryPoseAtTheOraclesError) {
   const auto [outlier_ratio, sigma] = GetParam();
   const double bound = synth::noise_study_bound(sigma);
   Errors errors;
-  for (std::uint64_t trial = 0; trial < 20; ++trial) {
+  for (std::uint64_t trial = 0; trial < trials(20); ++trial) {
     SCOPED_TRACE(::testing::Message() << "trial " << trial);
     const Problem problem =
         synth::noise_study_problem({.outlier_ratio = outlier_ratio, .sigma = sigma, .seed = 42, .trial = trial});
@@ -55,7 +55,7 @@ TEST_P(TcfNoiseStudy, FindsEveryPoseAtTheOraclesError) {
     EXPECT_GT(quality.recall, 0.85);
     EXPECT_GT(quality.precision, outlier_ratio * sigma > 4.0 ? 0.7 : 0.85);
   }
-  errors.expect_within(1.2);
+  if (kAllTrials) errors.expect_within(1.2);
 }
 
 TEST(TcfAccuracy, StagesAreReportedInOrder) {
@@ -78,14 +78,14 @@ INSTANTIATE_TEST_SUITE_P(Factors, TcfBound, ::testing::Values(0.5, 2.0));
 
 TEST_P(TcfBound, MayBeOffByTwo) {
   Errors errors;
-  for (std::uint64_t trial = 0; trial < 20; ++trial) {
+  for (std::uint64_t trial = 0; trial < trials(20); ++trial) {
     const Problem problem = synth::noise_study_problem({.outlier_ratio = 0.95, .sigma = 1.0, .trial = trial});
     const Registration result = register_tcf(problem.correspondences(), with_bound(3.0 * GetParam()));
     expect_sound(result, problem, 3.0 * GetParam());
     EXPECT_EQ(result.status, Status::success) << "trial " << trial;
     errors.add(problem, result.T_target_source);
   }
-  errors.expect_within(1.2);
+  if (kAllTrials) errors.expect_within(1.2);
 }
 
 /// Harder than the study in one way each. Every pose must be found, up to the ratio of outliers where that is told.
