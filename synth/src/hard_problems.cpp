@@ -153,7 +153,7 @@ class Generator {
 
   Eigen::Vector3d scene_point() {
     if (image_) return *std::exchange(image_, std::nullopt);
-    const Eigen::Vector3d point = scene_turn_ * points_.in_box(scene_);
+    Eigen::Vector3d point = scene_turn_ * points_.in_box(scene_);
     if (options_.symmetric) image_ = half_turn_ * point;
     return point;
   }
