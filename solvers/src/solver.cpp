@@ -1,10 +1,12 @@
 #include <consimd/solvers/solver.hpp>
 
+#include <algorithm>
 #include <stdexcept>
 #include <string>
 #include <utility>
 
 #include <consimd/solvers/noise_bound.hpp>
+#include <consimd/solvers/ransac.hpp>
 #include <consimd/solvers/tcf.hpp>
 
 #include "stage_clock.hpp"
@@ -16,7 +18,28 @@ constexpr SolverInfo kInfos[] = {
     {"tcf",
      "two-stage consensus filtering with pruning, re-selection over all correspondences and a posterior-weighted fit"},
     {"tcf-published", "two-stage consensus filtering, algorithms 1 to 4 of the paper to the letter"},
+    {"ransac", "three-point RANSAC with length check and local optimisation: at most 50 000 samples"},
+    {"ransac-10k", "the same with 10 000 samples, never fewer"},
+    {"ransac-50k", "the same with 50 000 samples, never fewer"},
 };
+
+Registration run(std::string_view solver, const Correspondences& correspondences, double noise_bound,
+                 std::uint32_t bounds_tried, std::uint64_t seed) {
+  if (solver.starts_with("ransac")) {
+    RansacOptions options{.noise_bound = noise_bound, .seed = seed, .bounds_tried = bounds_tried};
+    if (solver != "ransac") {
+      options.max_iterations = solver == "ransac-10k" ? 10'000 : 50'000;
+      options.confidence.reset();
+    }
+    return register_ransac(correspondences, options);
+  }
+  TcfOptions options;
+  if (solver == "tcf-published") options = TcfOptions::as_published(noise_bound, seed);
+  options.noise_bound = noise_bound;
+  options.seed = seed;
+  options.bounds_tried = bounds_tried;
+  return register_tcf(correspondences, options);
+}
 
 }  // namespace
 
@@ -24,29 +47,21 @@ std::span<const SolverInfo> solvers() noexcept { return kInfos; }
 
 Registration register_by_name(std::string_view solver, const Correspondences& correspondences,
                               const SolverOptions& options) {
-  TcfOptions tcf;
-  if (solver == "tcf-published") {
-    tcf = TcfOptions::as_published(0.0, options.seed);
-  } else if (solver != "tcf") {
+  if (std::ranges::find(kInfos, solver, &SolverInfo::name) == std::end(kInfos)) {
     std::string known;
     for (const SolverInfo& info : kInfos) known.append(known.empty() ? "" : ", ").append(info.name);
     throw std::invalid_argument("solver is '" + std::string(solver) + "', expected one of: " + known);
   }
-  tcf.seed = options.seed;
-  if (options.noise_bound) {
-    tcf.noise_bound = *options.noise_bound;
-    return register_tcf(correspondences, tcf);
-  }
+  if (options.noise_bound) return run(solver, correspondences, *options.noise_bound, 1, options.seed);
   StageReport estimation{"noise_bound", correspondences.size(), 0, 0, 0.0};
+  NoiseBoundEstimate estimate;
   {
     const detail::StageClock clock(estimation.seconds);
-    const NoiseBoundEstimate estimate = estimate_noise_bound(correspondences, options.seed);
-    tcf.noise_bound = estimate.noise_bound;
-    tcf.bounds_tried = estimate.bounds_tried;
+    estimate = estimate_noise_bound(correspondences, options.seed);
   }
-  Registration result = register_tcf(correspondences, tcf);
+  Registration result = run(solver, correspondences, estimate.noise_bound, estimate.bounds_tried, options.seed);
   estimation.output = result.inliers.size();
-  estimation.iterations = tcf.bounds_tried;
+  estimation.iterations = estimate.bounds_tried;
   result.seconds += estimation.seconds;
   result.stages.insert(result.stages.begin(), std::move(estimation));
   return result;

@@ -1,0 +1,80 @@
+#include "final_pose.hpp"
+
+#include <oneapi/tbb/task_arena.h>
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+
+#include <consimd/solvers/pose_refinement.hpp>
+#include <consimd/solvers/significance.hpp>
+
+#include "chance_search.hpp"
+#include "consensus_search.hpp"
+#include "pose_checks.hpp"
+
+namespace consimd::detail {
+namespace {
+
+// The runner-up, brought into place like the best pose was; none if it is no other motion then.
+std::optional<RunnerUp> runner_up(const Correspondences& correspondences, const TcfOptions& options,
+                                  const BestPoses& poses) {
+  if (poses.runner_up().support.count < 3) return std::nullopt;
+  const PoseCandidate rival = locally_optimise(correspondences, poses.runner_up(), options.noise_bound);
+  if (poses.same_motion_as_best(rival.pose)) return std::nullopt;
+  return RunnerUp{to_caller_frame(from_working_pose(rival.pose), correspondences), rival.support.count,
+                  significance(correspondences, rival.pose, options.noise_bound, options.seed).log10_false_poses};
+}
+
+// Whether the runner-up might as well be the true pose.
+bool is_rival(const RunnerUp& runner_up, std::uint32_t best_support) {
+  return static_cast<double>(runner_up.support) >= kRivalShare * best_support &&
+         runner_up.log10_false_poses < kSignificant;
+}
+
+}  // namespace
+
+Registration start_registration(double noise_bound, std::uint64_t seed) {
+  Registration result;
+  result.seed = seed;
+  result.isa = active_isa();
+  result.threads = tbb::this_task_arena::max_concurrency();
+  result.noise_bound = noise_bound;
+  result.consistency_bound = 2.0 * noise_bound;
+  return result;
+}
+
+FinalPose finish(const Correspondences& correspondences, const TcfOptions& options, const PoseCandidate& best,
+                 std::uint32_t seeds) {
+  const CorrespondenceView view = correspondences.view();
+  const double tau = options.noise_bound;
+  const RefinedPose refined = refine_pose(correspondences, best.pose, {tau});
+  const WorkingPose pose = to_working_pose(refined.fit.pose);
+  FinalPose final{refined.fit.pose, pose_inliers(view, pose, tau), 0.0, 0.0, refined.rounds, refined.covariance};
+  final.rotation_deviation = rotation_deviation(view, pose, tau, refined.sigma);
+  final.log10_false_poses =
+      log10_false_poses(correspondences, options, best, seeds) + std::log10(std::max(options.bounds_tried, 1U));
+  return final;
+}
+
+void conclude(const Correspondences& correspondences, const TcfOptions& options, const BestPoses& poses,
+              const std::vector<std::uint32_t>& set, const FinalPose& final, bool confident, Registration& result) {
+  result.log10_false_poses = final.log10_false_poses;
+  if (final.inliers.size() < 3 ? coincident_or_collinear(correspondences)
+                               : final.rotation_deviation > kLargestRotationDeviation) {
+    result.status = Status::degenerate_geometry;
+  } else if (final.log10_false_poses >= kSignificant ||
+             is_mirrored(correspondences, set, final.inliers.size(), options.noise_bound)) {
+    result.status = Status::no_consensus;
+  } else {
+    result.runner_up = runner_up(correspondences, options, poses);
+    result.status = result.runner_up && is_rival(*result.runner_up, poses.best().support.count) ? Status::ambiguous
+                    : confident                                                                 ? Status::success
+                                : Status::budget_exhausted;
+    result.T_target_source = to_caller_frame(final.pose, correspondences);
+    result.covariance = final.covariance;
+    result.inliers = final.inliers;
+  }
+}
+
+}  // namespace consimd::detail

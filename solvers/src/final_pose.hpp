@@ -1,0 +1,38 @@
+// What solvers share around their search: the best pose refined, tested and turned into a registration.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include <consimd/kernels/correspondences.hpp>
+#include <consimd/kernels/rigid_fit.hpp>
+#include <consimd/solvers/pose_covariance.hpp>
+#include <consimd/solvers/registration.hpp>
+#include <consimd/solvers/tcf.hpp>
+
+#include "best_poses.hpp"
+
+namespace consimd::detail {
+
+struct FinalPose {
+  RigidTransform pose = RigidTransform::Identity();  ///< working frame
+  std::vector<std::uint32_t> inliers;
+  double rotation_deviation = 0.0;
+  double log10_false_poses = 0.0;
+  std::uint32_t rounds = 0;
+  PoseCovariance covariance = PoseCovariance::Zero();
+};
+
+/// A registration that says what is used and has no result yet.
+Registration start_registration(double noise_bound, std::uint64_t seed);
+
+/// Refines `best` and measures its significance: that of a pose which the default search found from `seeds` seeds.
+FinalPose finish(const Correspondences& correspondences, const TcfOptions& options, const PoseCandidate& best,
+                 std::uint32_t seeds);
+
+/// Fills the status and all that belongs to the pose. `final`: of poses.best(), or as constructed if there is none.
+/// `set`: rows that agree in length, from which the best pose came. `confident`: the search did not end early.
+void conclude(const Correspondences& correspondences, const TcfOptions& options, const BestPoses& poses,
+              const std::vector<std::uint32_t>& set, const FinalPose& final, bool confident, Registration& result);
+
+}  // namespace consimd::detail
