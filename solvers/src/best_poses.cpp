@@ -35,10 +35,10 @@ bool BestPoses::same_motion_as_best(const WorkingPose& pose) const {
   return square < limit * limit;
 }
 
-bool BestPoses::explains(std::uint32_t row) const {
+bool BestPoses::explains(const PoseCandidate& candidate, std::uint32_t row) const {
   const CorrespondenceView view = correspondences_.view();
-  return distance(moved(best_.pose, source_point(view, row)), target_point(view, row)) <
-         kSameMotion * noise_bound_ * view.scale();
+  return candidate.support.count >= 3 && distance(moved(candidate.pose, source_point(view, row)),
+                                                  target_point(view, row)) < kSameMotion * noise_bound_ * view.scale();
 }
 
 bool BestPoses::offer(const PoseCandidate& candidate) {

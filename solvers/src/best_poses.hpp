@@ -24,10 +24,13 @@ class BestPoses {
   /// Whether the pose moves the best pose's supporters where that does, to within twice the noise bound (root mean
   /// square).
   [[nodiscard]] bool same_motion_as_best(const WorkingPose& pose) const;
-  /// Whether the best pose takes the row's source to within twice the noise bound of its target.
-  [[nodiscard]] bool explains(std::uint32_t row) const;
+  /// Whether the best pose, or the runner-up, takes the row's source to within twice the noise bound of its target.
+  [[nodiscard]] bool best_explains(std::uint32_t row) const { return explains(best_, row); }
+  [[nodiscard]] bool runner_up_explains(std::uint32_t row) const { return explains(runner_up_, row); }
 
  private:
+  [[nodiscard]] bool explains(const PoseCandidate& candidate, std::uint32_t row) const;
+
   const Correspondences& correspondences_;
   double noise_bound_;
   PoseCandidate best_;

@@ -5,6 +5,9 @@
 #include <algorithm>
 #include <cmath>
 
+#include <consimd/solvers/significance.hpp>
+
+#include "chance_search.hpp"
 #include "sampling.hpp"
 #include "stage_clock.hpp"
 
@@ -44,14 +47,16 @@ void ConsensusSearch::run(bool exhaustive) {
   const std::uint64_t limit = std::min<std::uint64_t>(correspondences_.size(), options_.max_seeds);
   const auto wanted = [&] { return static_cast<std::uint32_t>(exhaustive ? limit : std::min(limit, seeds_needed())); };
   // A seed that the best pose moves to its target would lead to that pose again.
-  const auto explained = [&](std::uint32_t row) { return poses_.explains(row); };
+  const auto explained = [&](std::uint32_t row) {
+    return poses_.best_explains(row) || (settled_ && poses_.runner_up_explains(row));
+  };
   for (std::uint32_t round = kFirstRound; sets_.drawn() < wanted(); round = std::min(2 * round, kLargestRound)) {
     const std::uint32_t left = wanted() - sets_.drawn();
     sets_.draw(std::min(round, left), left > kLargestRound);
     std::span<const std::uint32_t> ranking = sets_.rank(support_of_interest(), explained);
     for (std::size_t wave = kFirstWave; !ranking.empty(); wave = ranking.size()) {
       wave = std::min(wave, ranking.size());
-      sets_.prune(ranking.first(wave), support_of_interest());
+      sets_.prune(ranking.first(wave), support_of_interest(), settled_);
       fit_sets(ranking.first(wave));
       ranking = sets_.promising(ranking.subspan(wave), support_of_interest(), explained);
     }
@@ -83,9 +88,15 @@ void ConsensusSearch::fit_sets(std::span<const std::uint32_t> positions) {
   if (winner->support.score > kWorthOptimising * best().support.score) {
     *winner = locally_optimise(correspondences_, *winner, options_.noise_bound);
   }
+  bool improved = false;
   for (std::size_t i = 0; i < candidates_.size(); ++i) {
-    if (poses_.offer(candidates_[i])) best_set_ = sets_.set(fitted[i]);
+    if (!poses_.offer(candidates_[i])) continue;
+    best_set_ = sets_.set(fitted[i]);
+    improved = true;
   }
+  if (improved)
+    settled_ = significance(correspondences_, best().pose, options_.noise_bound, options_.seed, Scrutiny::glance)
+                   .log10_false_poses < kSure;
 }
 
 }  // namespace consimd::detail

@@ -50,6 +50,7 @@ class ConsensusSearch {
   SeedSets sets_;
   BestPoses poses_;
   std::vector<std::uint32_t> best_set_;
+  bool settled_ = false;  // the best pose is hardly doubtful: only rivals may still turn up
   std::vector<PoseCandidate> candidates_;
   tbb::enumerable_thread_specific<PoseScratch> scratch_;
   double three_point_seconds_ = 0.0;

@@ -16,20 +16,21 @@
 namespace consimd::detail {
 namespace {
 
+// Whether a pose with so many supporters might be the true one as well.
+bool is_rival(std::size_t support, const BestPoses& poses) {
+  return static_cast<double>(support) >= kRivalShare * poses.best().support.count;
+}
+
 // The runner-up, brought into place like the best pose was; none if it is no other motion then.
 std::optional<RunnerUp> runner_up(const Correspondences& correspondences, const TcfOptions& options,
                                   const BestPoses& poses) {
   if (poses.runner_up().support.count < 3) return std::nullopt;
   const PoseCandidate rival = locally_optimise(correspondences, poses.runner_up(), options.noise_bound);
   if (poses.same_motion_as_best(rival.pose)) return std::nullopt;
-  return RunnerUp{to_caller_frame(from_working_pose(rival.pose), correspondences), rival.support.count,
-                  significance(correspondences, rival.pose, options.noise_bound, options.seed).log10_false_poses};
-}
-
-// Whether the runner-up might as well be the true pose.
-bool is_rival(const RunnerUp& runner_up, std::uint32_t best_support) {
-  return static_cast<double>(runner_up.support) >= kRivalShare * best_support &&
-         runner_up.log10_false_poses < kSignificant;
+  const Scrutiny scrutiny = is_rival(rival.support.count, poses) ? Scrutiny::close : Scrutiny::glance;
+  return RunnerUp{
+      to_caller_frame(from_working_pose(rival.pose), correspondences), rival.support.count,
+      significance(correspondences, rival.pose, options.noise_bound, options.seed, scrutiny).log10_false_poses};
 }
 
 }  // namespace
@@ -68,9 +69,9 @@ void conclude(const Correspondences& correspondences, const TcfOptions& options,
     result.status = Status::no_consensus;
   } else {
     result.runner_up = runner_up(correspondences, options, poses);
-    result.status = result.runner_up && is_rival(*result.runner_up, poses.best().support.count) ? Status::ambiguous
-                    : confident                                                                 ? Status::success
-                                : Status::budget_exhausted;
+    const bool ambiguous = result.runner_up && is_rival(result.runner_up->support, poses) &&
+                           result.runner_up->log10_false_poses < kSignificant;
+    result.status = ambiguous ? Status::ambiguous : confident ? Status::success : Status::budget_exhausted;
     result.T_target_source = to_caller_frame(final.pose, correspondences);
     result.covariance = final.covariance;
     result.inliers = final.inliers;

@@ -59,7 +59,8 @@ LengthChance::LengthChance(const CorrespondenceView& view, std::span<const std::
                            std::uint32_t pairs, std::uint64_t seed)
     : scale_(view.scale()), pairs_(0.5 * static_cast<double>(view.size()) * static_cast<double>(view.size() - 1)) {
   const auto size = static_cast<std::uint32_t>(view.size());
-  const auto is_explained = [&](std::uint32_t row) { return std::ranges::binary_search(explained, row); };
+  std::vector<bool> is_explained(view.size());
+  for (const std::uint32_t row : explained) is_explained[row] = true;
   own_.reserve(pairs);
   mismatched_.reserve(pairs);
   for (std::uint32_t s = 0; s < pairs; ++s) {
@@ -67,7 +68,7 @@ LengthChance::LengthChance(const CorrespondenceView& view, std::span<const std::
     const IndexPair from = draw_pair(random, size);
     const IndexPair to = draw_pair(random, size);
     const double length = distance(source_point(view, from.first), source_point(view, from.second));
-    own_.push_back(is_explained(from.first) && is_explained(from.second)
+    own_.push_back(is_explained[from.first] && is_explained[from.second]
                        ? std::numeric_limits<double>::infinity()
                        : std::abs(length - distance(target_point(view, from.first), target_point(view, from.second))));
     const bool reversed = from.first == to.second && from.second == to.first;

@@ -28,6 +28,13 @@ inline double distance(const Point& a, const Point& b) {
   return std::sqrt(x * x + y * y + z * z);
 }
 
+inline float squared_distance(const Point& a, const Point& b) {
+  const float x = a.x - b.x;
+  const float y = a.y - b.y;
+  const float z = a.z - b.z;
+  return x * x + y * y + z * z;
+}
+
 inline Point moved(const WorkingPose& pose, const Point& p) {
   const float* r = pose.rotation;
   const float* t = pose.translation;

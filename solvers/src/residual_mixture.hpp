@@ -3,6 +3,7 @@
 
 #include <array>
 #include <cstdint>
+#include <limits>
 
 namespace consimd::detail {
 
@@ -42,6 +43,7 @@ class MixtureChoice {
 
  private:
   std::array<ResidualMixture, 4> candidates_;
+  double least_log_likelihood_ = -std::numeric_limits<double>::infinity();
 };
 
 }  // namespace consimd::detail

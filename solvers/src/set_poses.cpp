@@ -20,6 +20,7 @@ constexpr std::uint32_t kFirstTriples = 48;
 constexpr float kPromisingShare = 0.07F;
 constexpr float kSupportShare = 0.3F;
 constexpr float kEnoughShare = 0.5F;
+constexpr std::size_t kGlances = 16;
 // Bounds of the refits, in noise bounds: wide first, since the start may be off by more than the noise.
 constexpr std::array kLocalBounds{1.5, 1.25, 1.0, 1.0, 1.0};
 constexpr double kNeighbourhood = 3.0;  // in noise bounds
@@ -71,6 +72,22 @@ PoseCandidate pose_of_set(const Correspondences& correspondences, const std::vec
   alignment_scores(correspondences.view(), poses, noise_bound, support);
   return support[1].score > support[0].score ? PoseCandidate{poses[1], support[1]}
                                              : PoseCandidate{poses[0], support[0]};
+}
+
+float score_at_a_glance(const Correspondences& correspondences, std::span<const std::uint32_t> set, double noise_bound,
+                        PoseScratch& scratch) {
+  if (set.size() < 3) return 0.0F;
+  scratch.subset.assign_subset(correspondences, set);
+  const std::size_t others = set.size() - 2;
+  scratch.triples.resize(std::min(others, kGlances));
+  for (std::size_t i = 0; i < scratch.triples.size(); ++i) {
+    scratch.triples[i] = {0, 1, static_cast<std::uint32_t>(2 + i * others / scratch.triples.size())};
+  }
+  scratch.poses.resize(scratch.triples.size());
+  scratch.support.resize(scratch.triples.size());
+  three_point_fits(scratch.subset, scratch.triples, scratch.poses);
+  alignment_scores(scratch.subset, scratch.poses, noise_bound, scratch.support);
+  return std::ranges::max_element(scratch.support, {}, &PoseSupport::score)->score;
 }
 
 PoseCandidate locally_optimise(const Correspondences& correspondences, const PoseCandidate& start, double noise_bound) {

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include <consimd/kernels/correspondences.hpp>
@@ -33,6 +34,11 @@ struct PoseScratch {
 PoseCandidate pose_of_set(const Correspondences& correspondences, const std::vector<std::uint32_t>& set,
                           double noise_bound, std::uint64_t seed, std::uint64_t hypothesis,
                           std::uint32_t support_to_beat, PoseScratch& scratch);
+
+/// Largest score within `set` (rows of `correspondences`) of the minimal poses of its first two rows and each of a few
+/// of the others.
+float score_at_a_glance(const Correspondences& correspondences, std::span<const std::uint32_t> set, double noise_bound,
+                        PoseScratch& scratch);
 
 /// Refits `start` to the correspondences within a bound that shrinks to `noise_bound`, and returns the pose of best
 /// score met on the way.

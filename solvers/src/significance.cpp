@@ -18,16 +18,20 @@
 namespace consimd {
 namespace {
 
-constexpr std::array kBounds{1.0, 0.7, 0.5, 0.35};  // in noise bounds
-constexpr double kBeyondDoubt = -30.0;              // ln of false poses at which nothing more is tried
+constexpr std::array kBounds{1.0, 0.5, 0.7, 0.35};  // in noise bounds
+// ln of false poses at which no other bound is tried, and at which a glance is enough.
+constexpr double kBeyondDoubt = -20.0;
+constexpr double kEnough = -10.4;
 
 // How closely is looked: a glance settles most cases.
 struct Effort {
+  std::size_t bounds;      // of kBounds
   std::size_t supporters;  // that are told apart
   std::uint32_t pairs;     // whose lengths are compared
   std::uint32_t shifts;    // mismatched pairings of all correspondences
 };
-constexpr std::array kEfforts{Effort{64, 256, 8}, Effort{192, 1024, 32}};
+constexpr Effort kGlance{2, 64, 256, 8};
+constexpr Effort kClose{kBounds.size(), 192, 1024, 32};
 
 // Supporters closer than this may be one cluster of sources that matches one of targets, in bounds.
 constexpr double kClusterRadius = 1.75;
@@ -42,13 +46,14 @@ struct Independent {
 Independent independent_supporters(const CorrespondenceView& view, std::span<const std::uint32_t> supporters,
                                    double radius, std::size_t most) {
   if (supporters.empty()) return {};
-  const double limit = radius * view.scale();
+  const double limit = radius * view.scale() * radius * view.scale();
   const std::size_t looked = std::min(supporters.size(), most);
   std::vector<detail::Point> kept;
   kept.reserve(looked);
   for (std::size_t s = 0; s < looked; ++s) {
     const detail::Point p = detail::source_point(view, supporters[s * supporters.size() / looked]);
-    const bool repeats = std::ranges::any_of(kept, [&](const detail::Point& q) { return distance(p, q) < limit; });
+    const bool repeats =
+        std::ranges::any_of(kept, [&](const detail::Point& q) { return squared_distance(p, q) < limit; });
     if (!repeats) kept.push_back(p);
   }
   const auto count = static_cast<double>(kept.size());
@@ -93,7 +98,7 @@ double least_log_false_poses(const CorrespondenceView& view, const WorkingPose& 
   const auto size = static_cast<double>(view.size());
   const detail::LengthChance length_chance(view, explained, effort.pairs, seed);
   double least = log_triples(size);
-  for (const double share : kBounds) {
+  for (const double share : std::span(kBounds).first(effort.bounds)) {
     const double bound = share * noise_bound;
     const std::vector<std::uint32_t> rows =
         share == 1.0 ? std::vector(explained.begin(), explained.end()) : detail::pose_inliers(view, pose, bound);
@@ -111,18 +116,17 @@ double least_log_false_poses(const CorrespondenceView& view, const WorkingPose& 
 }  // namespace
 
 Significance significance(const Correspondences& correspondences, const WorkingPose& pose, double noise_bound,
-                          std::uint64_t seed) {
+                          std::uint64_t seed, Scrutiny scrutiny) {
   detail::require_length("noise_bound", noise_bound);
   const CorrespondenceView view = correspondences.view();
   Significance result;
   if (view.size() < 3) return result;
   const std::vector<std::uint32_t> explained = detail::pose_inliers(view, pose, noise_bound);
-  double least = 0.0;
-  for (const Effort& effort : kEfforts) {
-    least = least_log_false_poses(view, pose, noise_bound, explained, seed, effort);
-    if (least < kBeyondDoubt) break;
+  double least = least_log_false_poses(view, pose, noise_bound, explained, seed, kGlance);
+  if (least > kEnough && scrutiny == Scrutiny::close) {
+    least = least_log_false_poses(view, pose, noise_bound, explained, seed, kClose);
   }
-  result.independent_share = independent_supporters(view, explained, noise_bound, kEfforts.front().supporters).share;
+  result.independent_share = independent_supporters(view, explained, noise_bound, kGlance.supporters).share;
   result.log10_false_poses = (least + std::log(static_cast<double>(kBounds.size()))) / std::numbers::ln10;
   return result;
 }

@@ -33,13 +33,6 @@ constexpr std::size_t kPreviewed = 6;
 constexpr std::size_t kLeastPreview = 2 * kBlock;
 constexpr double kDeviations = 1.0;
 
-float squared_distance(const Point& a, const Point& b) {
-  const float x = a.x - b.x;
-  const float y = a.y - b.y;
-  const float z = a.z - b.z;
-  return x * x + y * y + z * z;
-}
-
 // Whether lengths of squares `a` and `b` differ by less than the tolerance (see length_consistency.hpp).
 bool lengths_agree(float a, float b, float squared_tolerance) {
   return (a - b) * (a - b) < squared_tolerance * std::max(2.0F * (a + b) - squared_tolerance, squared_tolerance);
@@ -108,8 +101,8 @@ bool ThreePointSearch::worth_fitting(const IndexTriple& sample) const {
   const auto& [first, second, third] = sample;
   if (!agree(first, second) || !agree(first, third) || !agree(second, third)) return false;
   // Three rows that an optimised pose explains would lead to it again.
-  return !options_.local_optimisation || poses_.best().support.count < 3 || !poses_.explains(first) ||
-         !poses_.explains(second) || !poses_.explains(third);
+  return !options_.local_optimisation || poses_.best().support.count < 3 || !poses_.best_explains(first) ||
+         !poses_.best_explains(second) || !poses_.best_explains(third);
 }
 
 void ThreePointSearch::fit() {

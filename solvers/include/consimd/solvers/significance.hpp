@@ -8,6 +8,10 @@
 
 namespace consimd {
 
+/// How closely is looked at a pose that is not beyond doubt at first sight. A glance takes a tenth of the time and may
+/// find less significance than there is.
+enum class Scrutiny : std::uint8_t { glance, close };
+
 struct Significance {
   /// log10 of the expected number of poses supported as well among correspondences whose sources and targets are paired
   /// at random. Well below 0: significant.
@@ -28,6 +32,6 @@ struct Significance {
 /// residuals; the least is returned, times the number of bounds. Smaller bounds are left out once no doubt is left.
 /// pose: working frame. Throws std::invalid_argument on a bad bound.
 [[nodiscard]] Significance significance(const Correspondences& correspondences, const WorkingPose& pose,
-                                        double noise_bound, std::uint64_t seed);
+                                        double noise_bound, std::uint64_t seed, Scrutiny scrutiny = Scrutiny::close);
 
 }  // namespace consimd
