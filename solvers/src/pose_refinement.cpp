@@ -19,10 +19,12 @@ namespace {
 // In noise bounds: correspondences looked at while the pose moves, and residuals that are modelled and weighted.
 constexpr double kNeighbourhood = 3.0;
 constexpr double kCutoff = 2.0;
-// Plain rounds that bring the pose into place, rounds in which the tails are chosen anew, rounds of a mixture fit.
+// Plain rounds that bring the pose into place, rounds in which the tails are chosen anew; rounds of the first mixture
+// fit, and of those that start where the last one ended.
 constexpr std::uint32_t kPlainRounds = 3;
 constexpr std::uint32_t kChoosingRounds = 6;
-constexpr int kMixtureRounds = 30;
+constexpr int kFirstMixtureRounds = 30;
+constexpr int kMixtureRounds = 6;
 // A bound below so many deviations of the noise hides its tails: when it is smaller by the second factor it is widened,
 // up to the third.
 constexpr double kDeviations = 3.0;
@@ -63,11 +65,12 @@ RefinedPose refine_within(const Correspondences& correspondences, const WorkingP
     RobustWeight next{.scale = tau, .cutoff = tau};
     if (refined.rounds >= kPlainRounds) {
       const detail::ResidualHistogram residuals = histogram(view, pose, kCutoff * tau, squared);
+      const int mixture_rounds = choice ? kMixtureRounds : kFirstMixtureRounds;
       if (!choice) choice.emplace(residuals, tau / kDeviations);
       if (refined.rounds < kPlainRounds + kChoosingRounds) {
-        mixture = choice->fit(residuals, kMixtureRounds);
+        mixture = choice->fit(residuals, mixture_rounds);
       } else {
-        detail::fit_mixture(residuals, mixture, kMixtureRounds);
+        detail::fit_mixture(residuals, mixture, mixture_rounds);
       }
       next = {WeightFunction::student_uniform, mixture.scale, kCutoff * tau, mixture.odds(), mixture.exponent};
     }
