@@ -51,9 +51,7 @@ void subtract_chance(const ConsistencyMatrix& matrix, std::span<const std::uint3
 }  // namespace
 
 void members_of(std::span<const std::uint64_t> bits, std::vector<std::uint32_t>& rows) {
-  std::size_t size = 0;
-  for (const std::uint64_t word : bits) size += static_cast<std::size_t>(std::popcount(word));
-  rows.resize(size);
+  rows.resize(popcount(bits));
   auto next = rows.begin();
   for (std::size_t w = 0; w < bits.size(); ++w) {
     for (std::uint64_t word = bits[w]; word != 0; word &= word - 1) {

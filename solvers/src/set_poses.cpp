@@ -15,11 +15,11 @@ namespace consimd::detail {
 namespace {
 
 // The first triples of a set. The others are tried if these give a score within the set of some share of its size and
-// of the support to beat, and are not needed once half of the set agrees.
+// of the support to beat, and are not needed once a third of the set agrees.
 constexpr std::uint32_t kFirstTriples = 48;
 constexpr float kPromisingShare = 0.07F;
 constexpr float kSupportShare = 0.3F;
-constexpr float kEnoughShare = 0.5F;
+constexpr float kEnoughShare = 0.2F;
 constexpr std::size_t kGlances = 16;
 // Bounds of the refits, in noise bounds: wide first, since the start may be off by more than the noise.
 constexpr std::array kLocalBounds{1.5, 1.25, 1.0, 1.0, 1.0};
