@@ -6,8 +6,6 @@
 #include <numeric>
 #include <vector>
 
-#include <consimd/solvers/significance.hpp>
-
 #include "clustering.hpp"
 #include "consensus_search.hpp"
 #include "counter_random.hpp"
@@ -32,8 +30,7 @@ constexpr double kClustered = 0.25;
 }  // namespace
 
 double log10_false_poses(const Correspondences& correspondences, const TcfOptions& options, const PoseCandidate& best,
-                         std::uint32_t seeds) {
-  const Significance closed_form = significance(correspondences, best.pose, options.noise_bound, options.seed);
+                         std::uint32_t seeds, const Significance& closed_form) {
   if (correspondences.size() < kFew || closed_form.log10_false_poses <= kSure ||
       closed_form.log10_false_poses >= kHopeless || clustered_share(correspondences.view()) >= kClustered) {
     return closed_form.log10_false_poses;

@@ -5,6 +5,7 @@
 #include <cstdint>
 
 #include <consimd/kernels/correspondences.hpp>
+#include <consimd/solvers/significance.hpp>
 #include <consimd/solvers/tcf.hpp>
 
 #include "set_poses.hpp"
@@ -17,11 +18,11 @@ inline constexpr double kSignificant = -3.0;
 inline constexpr double kSure = -4.5;
 inline constexpr double kHopeless = 3.0;
 
-/// log10 of the expected number of false poses with the support of `best`, which was found from `seeds` seeds. Random
-/// pairings tell more exactly than the closed form what chance can do, unless the correspondences are so clustered that
-/// random pairings are no match for them.
+/// log10 of the expected number of false poses with the support of `best`, which was found from `seeds` seeds;
+/// `closed_form`: what `significance` says of it. Random pairings tell more exactly than that what chance can do,
+/// unless the correspondences are so clustered that random pairings are no match for them.
 double log10_false_poses(const Correspondences& correspondences, const TcfOptions& options, const PoseCandidate& best,
-                         std::uint32_t seeds);
+                         std::uint32_t seeds, const Significance& closed_form);
 
 /// log10 of the expected number of poses of at least this score, found from `seeds` seeds, among correspondences like
 /// these whose sources and targets are paired at random. Estimated from a few pairings, searched from a few seeds each,

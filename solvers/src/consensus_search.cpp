@@ -5,8 +5,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include <consimd/solvers/significance.hpp>
-
 #include "chance_search.hpp"
 #include "sampling.hpp"
 #include "stage_clock.hpp"
@@ -56,7 +54,7 @@ void ConsensusSearch::run(bool exhaustive) {
     std::span<const std::uint32_t> ranking = sets_.rank(support_of_interest(), explained);
     for (std::size_t wave = kFirstWave; !ranking.empty(); wave = ranking.size()) {
       wave = std::min(wave, ranking.size());
-      sets_.prune(ranking.first(wave), support_of_interest(), settled_);
+      sets_.prune(ranking.first(wave), support_of_interest(), settled_.has_value());
       fit_sets(ranking.first(wave));
       ranking = sets_.promising(ranking.subspan(wave), support_of_interest(), explained);
     }
@@ -94,9 +92,9 @@ void ConsensusSearch::fit_sets(std::span<const std::uint32_t> positions) {
     best_set_ = sets_.set(fitted[i]);
     improved = true;
   }
-  if (improved)
-    settled_ = significance(correspondences_, best().pose, options_.noise_bound, options_.seed, Scrutiny::glance)
-                   .log10_false_poses < kSure;
+  if (!improved) return;
+  settled_ = significance(correspondences_, best().pose, options_.noise_bound, options_.seed, Scrutiny::glance);
+  if (settled_->log10_false_poses > kSure) settled_.reset();
 }
 
 }  // namespace consimd::detail

@@ -2,10 +2,12 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <vector>
 
 #include <consimd/kernels/correspondences.hpp>
+#include <consimd/solvers/significance.hpp>
 #include <consimd/solvers/tcf.hpp>
 
 #include "best_poses.hpp"
@@ -36,6 +38,9 @@ class ConsensusSearch {
   /// Whether the seeds drawn suffice for the wanted confidence.
   [[nodiscard]] bool confident() const;
 
+  /// Of the best pose, once a glance leaves hardly a doubt: only rivals may still turn up then.
+  [[nodiscard]] const std::optional<Significance>& settled() const noexcept { return settled_; }
+
   [[nodiscard]] const SeedSets& sets() const noexcept { return sets_; }
   [[nodiscard]] std::uint64_t minimal_fits() const noexcept { return minimal_fits_; }
   [[nodiscard]] double three_point_seconds() const noexcept { return three_point_seconds_; }
@@ -50,7 +55,7 @@ class ConsensusSearch {
   SeedSets sets_;
   BestPoses poses_;
   std::vector<std::uint32_t> best_set_;
-  bool settled_ = false;  // the best pose is hardly doubtful: only rivals may still turn up
+  std::optional<Significance> settled_;
   std::vector<PoseCandidate> candidates_;
   tbb::enumerable_thread_specific<PoseScratch> scratch_;
   double three_point_seconds_ = 0.0;

@@ -4,10 +4,8 @@
 
 #include <algorithm>
 #include <cmath>
-#include <optional>
 
 #include <consimd/solvers/pose_refinement.hpp>
-#include <consimd/solvers/significance.hpp>
 
 #include "chance_search.hpp"
 #include "consensus_search.hpp"
@@ -46,15 +44,17 @@ Registration start_registration(double noise_bound, std::uint64_t seed) {
 }
 
 FinalPose finish(const Correspondences& correspondences, const TcfOptions& options, const PoseCandidate& best,
-                 std::uint32_t seeds) {
+                 std::uint32_t seeds, const std::optional<Significance>& glance) {
   const CorrespondenceView view = correspondences.view();
   const double tau = options.noise_bound;
   const RefinedPose refined = refine_pose(correspondences, best.pose, {tau});
   const WorkingPose pose = to_working_pose(refined.fit.pose);
   FinalPose final{refined.fit.pose, pose_inliers(view, pose, tau), 0.0, 0.0, refined.rounds, refined.covariance};
   final.rotation_deviation = rotation_deviation(view, pose, tau, refined.sigma);
-  final.log10_false_poses =
-      log10_false_poses(correspondences, options, best, seeds) + std::log10(std::max(options.bounds_tried, 1U));
+  const Significance closed_form =
+      glance ? *glance : significance(correspondences, best.pose, options.noise_bound, options.seed);
+  final.log10_false_poses = log10_false_poses(correspondences, options, best, seeds, closed_form) +
+                            std::log10(std::max(options.bounds_tried, 1U));
   return final;
 }
 

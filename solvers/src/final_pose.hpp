@@ -2,12 +2,14 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 #include <consimd/kernels/correspondences.hpp>
 #include <consimd/kernels/rigid_fit.hpp>
 #include <consimd/solvers/pose_covariance.hpp>
 #include <consimd/solvers/registration.hpp>
+#include <consimd/solvers/significance.hpp>
 #include <consimd/solvers/tcf.hpp>
 
 #include "best_poses.hpp"
@@ -27,8 +29,9 @@ struct FinalPose {
 Registration start_registration(double noise_bound, std::uint64_t seed);
 
 /// Refines `best` and measures its significance: that of a pose which the default search found from `seeds` seeds.
+/// `glance`: what a glance said of it, if that left no doubt.
 FinalPose finish(const Correspondences& correspondences, const TcfOptions& options, const PoseCandidate& best,
-                 std::uint32_t seeds);
+                 std::uint32_t seeds, const std::optional<Significance>& glance = std::nullopt);
 
 /// Fills the status and all that belongs to the pose. `final`: of poses.best(), or as constructed if there is none.
 /// `set`: rows that agree in length, from which the best pose came. `confident`: the search did not end early.

@@ -106,7 +106,8 @@ NoiseBoundEstimate estimate_noise_bound(const Correspondences& correspondences, 
   }
   for (Attempt& attempt : tried) {
     attempt.log10_false_poses =
-        detail::log10_false_poses(correspondences, options_for(attempt.bound, seed), attempt.best, attempt.seeds);
+        detail::log10_false_poses(correspondences, options_for(attempt.bound, seed), attempt.best, attempt.seeds,
+                                  significance(correspondences, attempt.best.pose, attempt.bound, seed));
   }
   chosen = std::ranges::min_element(tried, {}, by_chance);
   return {chosen->bound, chosen->log10_false_poses + bounds, kBounds};  // too few supporters to measure
