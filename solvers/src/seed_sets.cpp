@@ -193,27 +193,34 @@ SeedSets::Guess SeedSets::guess_by_matrix(std::uint32_t position, Scratch& scrat
   return best;
 }
 
+// With a large support found, the usual set may be that of an inlier.
+bool SeedSets::outliers_are_usual(std::uint32_t support) const { return support < order_.size() / kManyInliers; }
+
 std::span<const std::uint32_t> SeedSets::rank(std::uint32_t support_to_beat, const Skip& skip) {
   const StageClock clock(two_point_seconds_);
   const std::uint32_t count = drawn_ - first_;
   // Supporters of a pose within the noise bound are pairwise consistent: a set holds the clique or is too small for it.
   const double share = window_share();
   const double least_count = (share < 1.0 ? kSupportSlack * share : 1.0) * support_to_beat;
+  // A set no larger than what stood out so far cannot stand out.
+  const float small = outliers_are_usual(support_to_beat) ? unusual_guess_ * static_cast<float>(share) : 0.0F;
   guesses_.assign(count, {});
   tbb::parallel_for(tbb::blocked_range<std::uint32_t>(0, count, 4), [&](const tbb::blocked_range<std::uint32_t>& r) {
     Scratch& scratch = scratch_.local();
     for (std::uint32_t h = r.begin(); h < r.end(); ++h) {
-      if (counts_[h] < 3 || counts_[h] <= least_count || skip(seed_row(h))) continue;
-      guesses_[h] = !by_matrix_ ? guess(h, scratch)
-                    : careful_  ? Guess{static_cast<float>(counts_[h]), 0}
-                                : guess_by_matrix(h, scratch);
+      const auto size = static_cast<float>(counts_[h]);
+      if (counts_[h] < 3 || size <= least_count || size < small || skip(seed_row(h))) continue;
+      guesses_[h] = !by_matrix_ ? guess(h, scratch) : careful_ ? Guess{size, 0} : guess_by_matrix(h, scratch);
       guesses_[h].clique /= static_cast<float>(share);
     }
   });
   unusual_guess_ = 0.0F;
   if (!by_matrix_ && !careful_) {
-    for (const Guess& guess : guesses_) {
-      if (guess.clique > 0.0F) all_guesses_.push_back(guess.clique);
+    for (std::uint32_t h = 0; h < count; ++h) {
+      const auto size = static_cast<float>(counts_[h]);
+      if (guesses_[h].clique > 0.0F || (size > least_count && size < small)) {
+        all_guesses_.push_back(guesses_[h].clique > 0.0F ? guesses_[h].clique : size / static_cast<float>(share));
+      }
     }
     const auto rank = static_cast<std::size_t>(kUnusual * static_cast<double>(all_guesses_.size()));
     const auto quantile = all_guesses_.begin() + static_cast<std::ptrdiff_t>(rank);
@@ -232,10 +239,8 @@ std::span<const std::uint32_t> SeedSets::rank(std::uint32_t support_to_beat, con
 
 std::span<const std::uint32_t> SeedSets::promising(std::span<const std::uint32_t> ranking,
                                                    std::uint32_t support_to_beat, const Skip& skip) {
-  // With a large support found, the usual set may be that of an inlier.
-  const bool usual_is_wrong = support_to_beat < order_.size() / kManyInliers;
-  const float least =
-      std::max(kSupportSlack * static_cast<float>(support_to_beat), usual_is_wrong ? unusual_guess_ : 0.0F);
+  const float least = std::max(kSupportSlack * static_cast<float>(support_to_beat),
+                               outliers_are_usual(support_to_beat) ? unusual_guess_ : 0.0F);
   promising_.clear();
   std::ranges::copy_if(ranking, std::back_inserter(promising_),
                        [&](std::uint32_t h) { return guesses_[h].clique >= least && !skip(seed_row(h)); });

@@ -85,6 +85,7 @@ class SeedSets {
   [[nodiscard]] double window_share() const;
   [[nodiscard]] std::uint32_t window_row(std::uint32_t i) const { return order_[window_first_ + i]; }
   [[nodiscard]] std::uint32_t seed_row(std::uint32_t position) const { return order_[first_ + position]; }
+  [[nodiscard]] bool outliers_are_usual(std::uint32_t support) const;
   [[nodiscard]] std::span<const std::uint64_t> bits_of(std::uint32_t position) const;
   [[nodiscard]] Guess guess(std::uint32_t position, Scratch& scratch) const;
   [[nodiscard]] Guess guess_by_matrix(std::uint32_t position, Scratch& scratch) const;
