@@ -19,7 +19,7 @@ struct LengthTest {
     const Vec3<Arch> dq = q - target;
     const Batch<Arch> a = dot(dp, dp);
     const Batch<Arch> b = dot(dq, dq);
-    const Batch<Arch> difference = a - b;
+    const Batch<Arch> difference = difference_by_multiplier<Arch>(a, b);
     return below_larger<Arch>(difference * difference, twice_squared * (a + b) - floor, floor);
   }
 
