@@ -18,7 +18,9 @@ constexpr std::size_t kPosesPerTask = 16;
 // Hypotheses of this share of the best pose's support are refined: those of few correspondences are noisy, and rivals
 // count down to four fifths.
 constexpr float kWorthOptimising = 0.4F;
-// Refits cost far more than scores; the true pose is among the first different motions or not there.
+// Refits cost far more than scores. The first hypotheses are all refined, since refits of one motion may end at
+// different poses; of the others those that are another motion.
+constexpr int kAlwaysOptimised = 6;
 constexpr int kMostOptimised = 32;
 
 }  // namespace
@@ -44,7 +46,7 @@ std::optional<std::size_t> select_pose(const Correspondences& correspondences, s
   std::optional<std::size_t> chosen;
   int optimised = 0;
   for (const std::size_t h : promising) {
-    if (poses.best().support.count >= 3 && poses.same_motion_as_best(hypotheses[h])) continue;
+    if (optimised >= kAlwaysOptimised && poses.same_motion_as_best(hypotheses[h])) continue;
     if (poses.offer(locally_optimise(correspondences, {hypotheses[h], support[h]}, noise_bound))) chosen = h;
     if (++optimised == kMostOptimised) break;
   }

@@ -1,7 +1,9 @@
 #include <consimd/solvers/sc2_pcr.hpp>
 
 #include <cmath>
+#include <utility>
 
+#include "chance_search.hpp"
 #include "final_pose.hpp"
 #include "hypothesis_selection.hpp"
 #include "matrix_sample.hpp"
@@ -44,6 +46,7 @@ Registration register_sc2_pcr(const Correspondences& correspondences, const Sc2P
   StageReport compatibility{"compatibility", size};
   StageReport seeding{"seeds", size};
   StageReport fitting{"consensus_sets", size};
+  StageReport refinement{"irls", size};
 
   const detail::MatrixSample sample(correspondences, 2, options.matrix_budget_bytes, options.seed);
   const Correspondences& rows = sample.correspondences();
@@ -53,32 +56,43 @@ Registration register_sc2_pcr(const Correspondences& correspondences, const Sc2P
     matrices.compute(rows, options.length_tolerance * tau);
     compatibility.output = rows.size();
   }
-  std::vector<std::uint32_t> seeds;
+  std::vector<std::uint32_t> order;
   {
     const detail::StageClock stage_clock(seeding.seconds);
-    const auto count = static_cast<std::size_t>(std::ceil(options.seed_share * static_cast<double>(rows.size())));
     const std::vector<float> confidence = compatibility_confidence(matrices.loose, options.power_iterations);
-    seeds = confidence_seeds(rows, confidence, options.seed_radius * tau, count);
+    order = confidence_seeds(rows, confidence, options.seed_radius * tau, rows.size());
     seeding.input = rows.size();
-    seeding.output = seeds.size();
   }
+  const auto first_seeds = static_cast<std::size_t>(std::ceil(options.seed_share * static_cast<double>(rows.size())));
   detail::BestPoses poses(correspondences, tau);
   std::vector<std::uint32_t> best_set;
-  {
-    const detail::StageClock stage_clock(fitting.seconds);
-    const SeedPoses hypotheses = second_order_poses(rows, matrices, seeds, options);
-    if (const auto best = detail::select_pose(correspondences, hypotheses.poses, tau, options.ranking, poses)) {
-      const IndexTriple& leading = hypotheses.leading[*best];
-      best_set = detail::rows_agreeing_with(
-          correspondences, {sample.row(leading.first), sample.row(leading.second), sample.row(leading.third)}, tau);
+  const TcfOptions test_options{.noise_bound = tau, .seed = options.seed, .bounds_tried = options.bounds_tried};
+  detail::FinalPose final;
+  // The rest of the correspondences are seeds as well if the first ones lead to no significant pose.
+  for (const auto& [begin, end] : {std::pair(std::size_t{0}, first_seeds), std::pair(first_seeds, order.size())}) {
+    const std::span<const std::uint32_t> seeds = std::span(order).subspan(begin, end - begin);
+    {
+      const detail::StageClock stage_clock(fitting.seconds);
+      const SeedPoses hypotheses = second_order_poses(rows, matrices, seeds, options);
+      if (const auto best = detail::select_pose(correspondences, hypotheses.poses, tau, options.ranking, poses)) {
+        const IndexTriple& leading = hypotheses.leading[*best];
+        best_set = detail::rows_agreeing_with(
+            correspondences, {sample.row(leading.first), sample.row(leading.second), sample.row(leading.third)}, tau);
+      }
+      fitting.output = poses.best().support.count;
+      fitting.iterations += seeds.size();
     }
-    fitting.output = poses.best().support.count;
-    fitting.iterations = seeds.size();
+    const detail::StageClock stage_clock(refinement.seconds);
+    if (poses.best().support.count >= 3) {
+      final = detail::finish(correspondences, test_options, poses.best(), static_cast<std::uint32_t>(size));
+    }
+    if (final.log10_false_poses < detail::kSignificant) break;
   }
-  result.stages = {compatibility, seeding, fitting};
-  detail::finish_and_conclude(correspondences,
-                              {.noise_bound = tau, .seed = options.seed, .bounds_tried = options.bounds_tried}, poses,
-                              best_set, true, result);
+  detail::conclude(correspondences, test_options, poses, best_set, final, true, result);
+  seeding.output = fitting.iterations;
+  refinement.output = result.inliers.size();
+  refinement.iterations = final.rounds;
+  result.stages = {compatibility, seeding, fitting, refinement};
   return result;
 }
 

@@ -5,7 +5,6 @@
 
 #include <algorithm>
 #include <array>
-#include <bit>
 #include <cmath>
 #include <limits>
 
@@ -56,7 +55,7 @@ class SeedSet {
   }
 
  private:
-  // Ranks by falling merit, then by rising row; the seed stays first.
+  // Higher with merit, of equal merit with lower rows.
   static std::uint64_t rank(std::uint32_t merit, std::uint32_t row) {
     return std::uint64_t{merit} << 32 | (0xffffffff - row);
   }
@@ -65,7 +64,8 @@ class SeedSet {
   /// Keeps the `count` highest ranks, highest first, as members behind the first.
   void take_highest(std::size_t count) {
     const auto end = ranks_.begin() + static_cast<std::ptrdiff_t>(std::min(count, ranks_.size()));
-    std::partial_sort(ranks_.begin(), end, ranks_.end(), std::ranges::greater{});
+    std::nth_element(ranks_.begin(), end, ranks_.end(), std::ranges::greater{});
+    std::sort(ranks_.begin(), end, std::ranges::greater{});
     size_ = 1;
     for (auto rank = ranks_.begin(); rank != end; ++rank) members_[size_++] = row_of(*rank);
   }
