@@ -77,7 +77,14 @@ void expect_separated(const RawCloud& cloud, const detail::KernelTable& table, d
 }
 
 TEST_P(Matrix, LeavesShortPairsOut) {
-  for_every_cloud([&](RawCloud& cloud, float bound) { expect_separated(cloud, table(), {bound, 4.0f * bound}); });
+  // The tiling is that of the matrix with short pairs: a few lengths on both sides of a word tell.
+  for (const Kind kind : kKinds) {
+    const float bound = bound_of(kind);
+    for (const std::size_t size : {0U, 1U, 2U, 17U, 63U, 64U, 65U, 130U, 192U, 260U}) {
+      SCOPED_TRACE(::testing::Message() << kind << " cloud of " << size);
+      expect_separated(RawCloud(size, kind, 17), table(), {bound, 4.0f * bound});
+    }
+  }
   expect_separated(RawCloud(1300, Kind::random, 1), table(), {0.1f, 1.5f});
 }
 
