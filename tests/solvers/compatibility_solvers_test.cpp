@@ -23,8 +23,7 @@ namespace {
 const auto kSolvers = ::testing::Values(std::string("sc2_pcr"), std::string("turboreg"));
 
 Registration run(const std::string& solver, const Problem& problem, double noise_bound, std::uint64_t seed = 1) {
-  const Registration result =
-      register_by_name(solver, problem.correspondences(), {.noise_bound = noise_bound, .seed = seed});
+  Registration result = register_by_name(solver, problem.correspondences(), {.noise_bound = noise_bound, .seed = seed});
   expect_sound(result, problem, noise_bound);
   return result;
 }
