@@ -129,6 +129,17 @@ Call loop_matrix_rows(const Workload& w) {
   };
 }
 
+Call loop_row_sums(const Workload& w) {
+  const auto matrix = std::make_shared<ConsistencyMatrix>();
+  matrix->compute(w.correspondences, w.consistency_bound);
+  return [&w, matrix](Outcome& out) {
+    out.sums.resize(w.size());
+    for (std::size_t r = 0; r < w.size(); ++r) {
+      out.sums[r] = loop::masked_sum(matrix->row(r).data(), matrix->words(), w.weights());
+    }
+  };
+}
+
 // The remaining baselines are one call for each hypothesis.
 
 Call eigen_length_counts(const Workload& w) {
@@ -272,6 +283,7 @@ const std::vector<Baseline>& baselines() {
       {"eigen", "consistency_matrix", eigen_matrix},
       {"loop", "and_popcount_rows", loop_matrix_rows},
       {"eigen", "and_popcount_rows", eigen_matrix_rows},
+      {"loop", "masked_row_sums", loop_row_sums},
   };
   return list;
 }

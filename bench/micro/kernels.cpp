@@ -17,6 +17,7 @@ constexpr std::size_t kMatrixSize = 10'000;  // beyond it the matrix leaves the 
 std::size_t tests(const Workload& w) { return kBatch * w.size(); }
 std::size_t correspondences(const Workload& w) { return w.size(); }
 std::size_t distinct_pairs(const Workload& w) { return w.size() * (w.size() - 1) / 2; }
+std::size_t matrix_bits(const Workload& w) { return w.size() * w.size(); }
 std::size_t row_bits(const Workload& w) { return w.rows.size() * w.size(); }
 
 Call length_counts(const Workload& w) {
@@ -102,12 +103,28 @@ Call matrix(const Workload& w) {
   };
 }
 
+Call separated_matrix(const Workload& w) {
+  return [&w](Outcome& out) {
+    out.matrix.compute_separated(w.correspondences, w.consistency_bound, w.noise_bound);
+    out.counts.assign(out.matrix.degrees().begin(), out.matrix.degrees().end());
+  };
+}
+
 Call matrix_rows(const Workload& w) {
   const auto graph = std::make_shared<ConsistencyMatrix>();
   graph->compute(w.correspondences, w.consistency_bound);
   return [&w, graph](Outcome& out) {
     out.counts.resize(w.rows.size());
     and_popcount_rows(*graph, w.chosen, w.rows, out.counts);
+  };
+}
+
+Call masked_sums(const Workload& w) {
+  const auto graph = std::make_shared<ConsistencyMatrix>();
+  graph->compute(w.correspondences, w.consistency_bound);
+  return [&w, graph](Outcome& out) {
+    out.sums.resize(w.size());
+    masked_row_sums(*graph, 0, {w.weights(), graph->words() * kBlock}, out.sums);
   };
 }
 
@@ -129,7 +146,9 @@ const std::vector<Kernel>& kernels() {
        moments_robust<WeightFunction::student_uniform>},
       {"three_point_fits", "fits", correspondences, kAnySize, minimal_fits},
       {"consistency_matrix", "distinct pairs", distinct_pairs, kMatrixSize, matrix},
+      {"separated_matrix", "distinct pairs", distinct_pairs, kMatrixSize, separated_matrix},
       {"and_popcount_rows", "bits", row_bits, kMatrixSize, matrix_rows},
+      {"masked_row_sums", "bits", matrix_bits, kMatrixSize, masked_sums},
   };
   return list;
 }

@@ -165,4 +165,14 @@ std::uint32_t common_count(const std::uint64_t* a, const std::uint64_t* b, std::
   return bits;
 }
 
+float masked_sum(const std::uint64_t* bits, std::size_t words, const float* values) {
+  float sum = 0.0f;
+  for (std::size_t word = 0; word < words; ++word) {
+    for (std::uint64_t rest = bits[word]; rest != 0; rest &= rest - 1) {
+      sum += values[word * 64 + static_cast<std::size_t>(__builtin_ctzll(rest))];
+    }
+  }
+  return sum;
+}
+
 }  // namespace consimd::bench::loop

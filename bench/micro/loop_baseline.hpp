@@ -47,6 +47,8 @@ CONSIMD_BASELINE LoopMoments cauchy_moments(const LoopCloud& cloud, const LoopPo
 
 /// Number of bits set in both.
 CONSIMD_BASELINE std::uint32_t common_count(const std::uint64_t* a, const std::uint64_t* b, std::size_t words);
+/// Sum of the values at the ones of `bits`.
+CONSIMD_BASELINE float masked_sum(const std::uint64_t* bits, std::size_t words, const float* values);
 
 }  // namespace loop
 

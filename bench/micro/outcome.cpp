@@ -40,13 +40,16 @@ bool identical(const Outcome& a, const Outcome& b) {
   return same_bytes<std::uint32_t>(a.counts, b.counts) && same_bytes<std::uint64_t>(a.bits, b.bits) &&
          same_bytes<PoseSupport>(a.support, b.support) && same_bytes<WorkingPose>(a.poses, b.poses) &&
          same_bytes(std::span<const RigidMoments>(&a.moments, 1), std::span<const RigidMoments>(&b.moments, 1)) &&
-         same_bytes(all_rows(a.matrix), all_rows(b.matrix));
+         same_bytes<float>(a.sums, b.sums) && same_bytes(all_rows(a.matrix), all_rows(b.matrix));
 }
 
 bool close(const Outcome& baseline, const Outcome& reference) {
   if (baseline.counts.size() != reference.counts.size() || baseline.support.size() != reference.support.size() ||
-      baseline.poses.size() != reference.poses.size()) {
+      baseline.poses.size() != reference.poses.size() || baseline.sums.size() != reference.sums.size()) {
     return false;
+  }
+  for (std::size_t r = 0; r < baseline.sums.size(); ++r) {
+    if (!close(static_cast<double>(baseline.sums[r]), static_cast<double>(reference.sums[r]))) return false;
   }
   for (std::size_t h = 0; h < baseline.counts.size(); ++h) {
     if (!close(static_cast<double>(baseline.counts[h]), static_cast<double>(reference.counts[h]))) return false;

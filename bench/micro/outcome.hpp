@@ -15,6 +15,7 @@ struct Outcome {
   std::vector<std::uint64_t> bits;
   std::vector<PoseSupport> support;
   std::vector<WorkingPose> poses;
+  std::vector<float> sums;
   RigidMoments moments{};
   ConsistencyMatrix matrix;
 };

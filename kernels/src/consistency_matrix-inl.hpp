@@ -45,8 +45,8 @@ inline void transpose(BitTiles& tiles) {
 
 /// Tests the tiles on and above the diagonal; those below are their transposes. Works through squares of kTiles x
 /// kTiles tiles, so that what is mirrored is written in whole cache lines.
-template <typename Arch>
-void consistency_matrix(const RawView& view, float bound, std::uint64_t* bits, std::uint32_t* degrees) {
+template <typename Arch, typename Test, typename Bounds>
+void consistency_matrix(const RawView& view, Bounds bounds, std::uint64_t* bits, std::uint32_t* degrees) {
   const std::size_t size = view.size;
   const std::size_t words = view.padded / 64;
   const auto end_of = [](std::size_t begin, std::size_t length, std::size_t limit) {
@@ -62,7 +62,7 @@ void consistency_matrix(const RawView& view, float bound, std::uint64_t* bits, s
         BitTiles& tiles = square[row_word - top];
         const std::size_t first = left == top ? row_word : left;
         for (std::size_t i = row_word * 64; i < end_of(row_word * 64, 64, size); ++i) {
-          const LengthTest<Arch> test[] = {{view, static_cast<std::uint32_t>(i), bound}};
+          const Test test[] = {{view, static_cast<std::uint32_t>(i), bounds}};
           std::uint32_t degree = 0;
           for (std::size_t word = first; word < right; ++word) {
             std::uint64_t consistent[1];
@@ -95,6 +95,32 @@ template <typename Arch>
 void and_popcount_rows(const std::uint64_t* matrix, std::size_t words, const std::uint64_t* set,
                        const std::uint32_t* rows, std::size_t n, std::uint32_t* counts) {
   for (std::size_t r = 0; r < n; ++r) counts[r] = and_popcount<Arch>(matrix + rows[r] * words, set, words);
+}
+
+/// sums[r] for kRows rows at once: what is loaded of `values` serves all, and their additions do not wait for one
+/// another.
+template <typename Arch, std::size_t kRows>
+inline void add_masked_rows(const std::uint64_t* rows, std::size_t words, const float* values, float* sums) {
+  InterleavedSum<Arch> sum[kRows];
+  for (std::size_t word = 0; word < words; ++word) {
+    std::uint64_t bits[kRows];
+    for (std::size_t r = 0; r < kRows; ++r) bits[r] = rows[r * words + word];
+    for (std::size_t k = 0; k < 64; k += kWidth<Arch>) {
+      const Batch<Arch> terms = Batch<Arch>::load_unaligned(values + word * 64 + k);
+      for (std::size_t r = 0; r < kRows; ++r) sum[r].add(k, keep<Arch>(mask_of<Arch>(bits[r] >> k), terms));
+    }
+  }
+  for (std::size_t r = 0; r < kRows; ++r) sums[r] = sum[r].total();
+}
+
+template <typename Arch>
+void masked_row_sums(const std::uint64_t* rows, std::size_t words, std::size_t n, const float* values, float* sums) {
+  constexpr std::size_t kTogether = kWidth<Arch> / 4;
+  std::size_t r = 0;
+  for (; r + kTogether <= n; r += kTogether) {
+    add_masked_rows<Arch, kTogether>(rows + r * words, words, values, sums + r);
+  }
+  for (; r < n; ++r) add_masked_rows<Arch, 1>(rows + r * words, words, values, sums + r);
 }
 
 }  // namespace consimd::detail

@@ -1,5 +1,8 @@
 #include <consimd/kernels/consistency_matrix.hpp>
 
+#include <stdexcept>
+#include <string>
+
 #include "dispatch.hpp"
 #include "kernel_arguments.hpp"
 
@@ -16,11 +19,22 @@ std::size_t ConsistencyMatrix::memory_bytes(std::size_t correspondences) noexcep
 
 void ConsistencyMatrix::compute(const CorrespondenceView& view, double bound) {
   const float length = detail::working_length(view, bound, "bound");
+  resize(view);
+  detail::active_table().consistency_matrix(detail::raw_view(view), length, storage_.data(), degrees_.data());
+}
+
+void ConsistencyMatrix::compute_separated(const CorrespondenceView& view, double bound, double separation) {
+  const detail::SeparatedBounds bounds{detail::working_length(view, bound, "bound"),
+                                       detail::working_length(view, separation, "separation")};
+  resize(view);
+  detail::active_table().separated_matrix(detail::raw_view(view), bounds, storage_.data(), degrees_.data());
+}
+
+void ConsistencyMatrix::resize(const CorrespondenceView& view) {
   size_ = view.size();
   words_ = view.words();
   storage_.resize(size_ * words_);
   degrees_.resize(size_);
-  detail::active_table().consistency_matrix(detail::raw_view(view), length, storage_.data(), degrees_.data());
 }
 
 std::uint32_t popcount(std::span<const std::uint64_t> bits) { return and_popcount(bits, bits); }
@@ -37,6 +51,18 @@ void and_popcount_rows(const ConsistencyMatrix& matrix, std::span<const std::uin
   for (const std::uint32_t row : rows) detail::require_index(row, matrix.size());
   detail::active_table().and_popcount_rows(matrix.data(), matrix.words(), set.data(), rows.data(), rows.size(),
                                            counts.data());
+}
+
+void masked_row_sums(const ConsistencyMatrix& matrix, std::size_t first_row, std::span<const float> values,
+                     std::span<float> sums) {
+  detail::require_size("values", values.size(), matrix.words() * kBlock);
+  if (first_row > matrix.size() || sums.size() > matrix.size() - first_row) {
+    throw std::invalid_argument("sums of " + std::to_string(sums.size()) + " rows from row " +
+                                std::to_string(first_row) + " on, expected rows of a matrix of " +
+                                std::to_string(matrix.size()));
+  }
+  detail::active_table().masked_row_sums(matrix.data() + first_row * matrix.words(), matrix.words(), sums.size(),
+                                         values.data(), sums.data());
 }
 
 }  // namespace consimd

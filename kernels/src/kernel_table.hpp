@@ -26,6 +26,12 @@ struct RawWeight {
   std::uint32_t squarings;  ///< log2 of the exponent
 };
 
+/// Of pairs that a separated consistency matrix keeps.
+struct SeparatedBounds {
+  float bound;       ///< on the difference of the two lengths
+  float separation;  ///< below their sum
+};
+
 /// Every pointer is set in every table. Lengths are in the working frame; batches may be empty; `bits` rows are
 /// padded/64 words. No function allocates, throws or reads beyond `padded` floats.
 struct KernelTable {
@@ -47,10 +53,14 @@ struct KernelTable {
   void (*three_point_fits)(const RawView&, const IndexTriple* triples, std::size_t n, WorkingPose* poses);
   /// bits: view.size rows of padded/64 words, those of length_bits, written whole; degrees: view.size.
   void (*consistency_matrix)(const RawView&, float bound, std::uint64_t* bits, std::uint32_t* degrees);
+  void (*separated_matrix)(const RawView&, SeparatedBounds, std::uint64_t* bits, std::uint32_t* degrees);
   std::uint32_t (*and_popcount)(const std::uint64_t* a, const std::uint64_t* b, std::size_t words);
   /// counts[r] = popcount(set & row rows[r]), rows of `words` words.
   void (*and_popcount_rows)(const std::uint64_t* matrix, std::size_t words, const std::uint64_t* set,
                             const std::uint32_t* rows, std::size_t n, std::uint32_t* counts);
+  /// sums[r] = sum of values[j] over the ones j of row r. n rows of `words` words; values: 64 * words.
+  void (*masked_row_sums)(const std::uint64_t* rows, std::size_t words, std::size_t n, const float* values,
+                          float* sums);
 };
 
 }  // namespace consimd::detail

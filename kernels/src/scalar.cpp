@@ -76,6 +76,24 @@ void consistency_matrix(const RawView& view, float bound, std::uint64_t* bits, s
     length_bits(view, &i, 1, bound, bits + i * (view.padded / 64), degrees + i);
 }
 
+/// The lengths' sum exceeds s when a + b + 2 sqrt(a b) > s^2, squared once more.
+void separated_matrix(const RawView& view, detail::SeparatedBounds bounds, std::uint64_t* bits,
+                      std::uint32_t* degrees) {
+  const float squared_separation = bounds.separation * bounds.separation;
+  for (std::uint32_t i = 0; i < view.size; ++i) {
+    const auto consistent = length_consistent_with(view, i, bounds.bound);
+    const auto separated_and_consistent = [&](std::size_t j) {
+      const Point dp = source(view, j) - source(view, i);
+      const Point dq = target(view, j) - target(view, i);
+      const float a = dot(dp, dp);
+      const float b = dot(dq, dq);
+      const float rest = squared_separation - (a + b);
+      return consistent(j) && (rest < 0.0f || rest * rest < 4.0f * (a * b));
+    };
+    degrees[i] = write_bits(view, separated_and_consistent, bits + i * (view.padded / 64));
+  }
+}
+
 // ---- Angle consistency: the derivation is in angle_consistency.hpp.
 
 auto angle_consistent_with(const RawView& view, IndexPair pair, float bound) {
@@ -352,13 +370,23 @@ void and_popcount_rows(const std::uint64_t* matrix, std::size_t words, const std
   for (std::size_t r = 0; r < n; ++r) counts[r] = and_popcount(matrix + rows[r] * words, set, words);
 }
 
+void masked_row_sums(const std::uint64_t* rows, std::size_t words, std::size_t n, const float* values, float* sums) {
+  for (std::size_t r = 0; r < n; ++r) {
+    InterleavedSum sum;
+    for (std::size_t j = 0; j < 64 * words; ++j) {
+      if ((rows[r * words + j / 64] >> (j % 64) & 1) != 0) sum.add(j, values[j]);
+    }
+    sums[r] = sum.total();
+  }
+}
+
 }  // namespace
 
 const detail::KernelTable& table() noexcept {
   static constexpr detail::KernelTable kTable{
-      length_counts,    length_bits,      angle_counts,        angle_bits,       alignment_counts,
-      alignment_scores, alignment_bits,   alignment_residuals, weighted_moments, subset_moments,
-      robust_moments,   three_point_fits, consistency_matrix,  and_popcount,     and_popcount_rows};
+      length_counts,      length_bits,         angle_counts,     angle_bits,        alignment_counts, alignment_scores,
+      alignment_bits,     alignment_residuals, weighted_moments, subset_moments,    robust_moments,   three_point_fits,
+      consistency_matrix, separated_matrix,    and_popcount,     and_popcount_rows, masked_row_sums};
   return kTable;
 }
 

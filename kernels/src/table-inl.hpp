@@ -33,9 +33,11 @@ inline constexpr KernelTable kTable{
     .subset_moments = subset_moments<Arch>,
     .robust_moments = robust_moments<Arch>,
     .three_point_fits = three_point_fits<Arch>,
-    .consistency_matrix = consistency_matrix<Arch>,
+    .consistency_matrix = consistency_matrix<Arch, LengthTest<Arch>, float>,
+    .separated_matrix = consistency_matrix<Arch, SeparatedLengthTest<Arch>, SeparatedBounds>,
     .and_popcount = and_popcount<Arch>,
     .and_popcount_rows = and_popcount_rows<Arch>,
+    .masked_row_sums = masked_row_sums<Arch>,
 };
 
 }  // namespace consimd::detail

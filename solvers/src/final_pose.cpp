@@ -10,6 +10,7 @@
 #include "chance_search.hpp"
 #include "consensus_search.hpp"
 #include "pose_checks.hpp"
+#include "stage_clock.hpp"
 
 namespace consimd::detail {
 namespace {
@@ -76,6 +77,21 @@ void conclude(const Correspondences& correspondences, const TcfOptions& options,
     result.covariance = final.covariance;
     result.inliers = final.inliers;
   }
+}
+
+void finish_and_conclude(const Correspondences& correspondences, const TcfOptions& test_options, const BestPoses& poses,
+                         const std::vector<std::uint32_t>& set, bool confident, Registration& result) {
+  const std::size_t size = correspondences.size();
+  StageReport report{"irls", size};
+  FinalPose final;
+  if (poses.best().support.count >= 3) {
+    const StageClock clock(report.seconds);
+    final = finish(correspondences, test_options, poses.best(), static_cast<std::uint32_t>(size));
+  }
+  conclude(correspondences, test_options, poses, set, final, confident, result);
+  report.output = result.inliers.size();
+  report.iterations = final.rounds;
+  result.stages.push_back(report);
 }
 
 }  // namespace consimd::detail

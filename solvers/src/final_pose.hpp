@@ -38,4 +38,9 @@ FinalPose finish(const Correspondences& correspondences, const TcfOptions& optio
 void conclude(const Correspondences& correspondences, const TcfOptions& options, const BestPoses& poses,
               const std::vector<std::uint32_t>& set, const FinalPose& final, bool confident, Registration& result);
 
+/// Both for searches other than the default: tested as if that had found the pose from all of its seeds, which finds
+/// poses of chance at least as well. Adds the stage "irls" to the report. At least three correspondences.
+void finish_and_conclude(const Correspondences& correspondences, const TcfOptions& test_options, const BestPoses& poses,
+                         const std::vector<std::uint32_t>& set, bool confident, Registration& result);
+
 }  // namespace consimd::detail

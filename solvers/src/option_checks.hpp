@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cmath>
+#include <cstdint>
 #include <sstream>
 #include <stdexcept>
 #include <string_view>
@@ -17,6 +18,10 @@ template <typename T>
 
 inline void require_length(std::string_view name, double value) {
   if (!(value > 0.0) || !std::isfinite(value)) reject_option(name, value, "a finite length above 0");
+}
+
+inline void require_above_zero(std::string_view name, std::uint32_t value) {
+  if (value == 0) reject_option(name, value, "a number above 0");
 }
 
 inline void require_confidence(double value) {

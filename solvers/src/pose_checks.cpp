@@ -3,11 +3,14 @@
 #include <Eigen/Eigenvalues>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
+#include <consimd/kernels/length_consistency.hpp>
 #include <consimd/kernels/rigid_fit.hpp>
 #include <consimd/kernels/rigid_moments.hpp>
 
+#include "pruning.hpp"
 #include "set_poses.hpp"
 
 namespace consimd::detail {
@@ -43,6 +46,19 @@ bool coincident_or_collinear(const Correspondences& correspondences) {
   const RigidMoments all = robust_moments(correspondences.view(), to_working_pose(RigidTransform::Identity()),
                                           {WeightFunction::truncated, bound, bound, 0.0});
   return rotation_deviation(all, kResolution) > kLargestRotationDeviation;
+}
+
+std::vector<std::uint32_t> rows_agreeing_with(const Correspondences& correspondences, const IndexTriple& triple,
+                                              double noise_bound) {
+  const CorrespondenceView view = correspondences.view();
+  const std::size_t words = view.words();
+  std::vector<std::uint64_t> bits(3 * words);
+  std::array<std::uint32_t, 3> counts{};
+  length_consistency_bits(view, std::array{triple.first, triple.second, triple.third}, 2.0 * noise_bound, bits, counts);
+  for (std::size_t w = 0; w < words; ++w) bits[w] &= bits[words + w] & bits[2 * words + w];
+  std::vector<std::uint32_t> rows;
+  members_of(std::span(bits).first(words), rows);
+  return rows;
 }
 
 bool is_mirrored(const Correspondences& correspondences, const std::vector<std::uint32_t>& set, std::size_t supporters,

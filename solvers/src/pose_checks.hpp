@@ -19,6 +19,10 @@ double rotation_deviation(const CorrespondenceView& view, const WorkingPose& pos
 /// Whether all sources coincide or lie on a line, as far as single precision tells.
 bool coincident_or_collinear(const Correspondences& correspondences);
 
+/// Rows that agree in length, within twice the noise bound, with each of three, ascending.
+std::vector<std::uint32_t> rows_agreeing_with(const Correspondences& correspondences, const IndexTriple& triple,
+                                              double noise_bound);
+
 /// Whether a reflection aligns more of the set than the pose has supporters. The pairwise lengths that made the set one
 /// cannot tell a mirror image, of which a rotation fits whatever lies near a plane.
 bool is_mirrored(const Correspondences& correspondences, const std::vector<std::uint32_t>& set, std::size_t supporters,

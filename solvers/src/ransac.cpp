@@ -26,23 +26,13 @@ Registration register_ransac(const Correspondences& correspondences, const Ransa
     const detail::StageClock search_clock(search_report.seconds);
     search.run();
   }
-  const detail::PoseCandidate& best = search.poses().best();
-  search_report.output = best.support.count;
+  search_report.output = search.poses().best().support.count;
   search_report.iterations = search.iterations();
 
-  // Tested as if the default search had found it from all of its seeds, which finds poses of chance at least as well.
-  const TcfOptions test_options{
-      .noise_bound = options.noise_bound, .seed = options.seed, .bounds_tried = options.bounds_tried};
-  StageReport refinement_report{"irls", size};
-  detail::FinalPose final;
-  if (best.support.count >= 3) {
-    const detail::StageClock refinement_clock(refinement_report.seconds);
-    final = detail::finish(correspondences, test_options, best, static_cast<std::uint32_t>(size));
-  }
-  detail::conclude(correspondences, test_options, search.poses(), search.best_set(), final, search.confident(), result);
-  refinement_report.output = result.inliers.size();
-  refinement_report.iterations = final.rounds;
-  result.stages = {search_report, refinement_report};
+  result.stages = {search_report};
+  detail::finish_and_conclude(
+      correspondences, {.noise_bound = options.noise_bound, .seed = options.seed, .bounds_tried = options.bounds_tried},
+      search.poses(), search.best_set(), search.confident(), result);
   return result;
 }
 

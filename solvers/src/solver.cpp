@@ -7,7 +7,9 @@
 
 #include <consimd/solvers/noise_bound.hpp>
 #include <consimd/solvers/ransac.hpp>
+#include <consimd/solvers/sc2_pcr.hpp>
 #include <consimd/solvers/tcf.hpp>
+#include <consimd/solvers/turboreg.hpp>
 
 #include "stage_clock.hpp"
 
@@ -21,6 +23,8 @@ constexpr SolverInfo kInfos[] = {
     {"ransac", "three-point RANSAC with length check and local optimisation: at most 50 000 samples"},
     {"ransac-10k", "the same with 10 000 samples, never fewer"},
     {"ransac-50k", "the same with 50 000 samples, never fewer"},
+    {"sc2_pcr", "second-order spatial compatibility: consensus sets of confident seeds"},
+    {"turboreg", "three-cliques of the edges with most common neighbours"},
 };
 
 Registration run(std::string_view solver, const Correspondences& correspondences, double noise_bound,
@@ -32,6 +36,12 @@ Registration run(std::string_view solver, const Correspondences& correspondences
       options.confidence.reset();
     }
     return register_ransac(correspondences, options);
+  }
+  if (solver == "sc2_pcr") {
+    return register_sc2_pcr(correspondences, {.noise_bound = noise_bound, .seed = seed, .bounds_tried = bounds_tried});
+  }
+  if (solver == "turboreg") {
+    return register_turboreg(correspondences, {.noise_bound = noise_bound, .seed = seed, .bounds_tried = bounds_tried});
   }
   TcfOptions options;
   if (solver == "tcf-published") options = TcfOptions::as_published(noise_bound, seed);

@@ -19,6 +19,12 @@ class ConsistencyMatrix {
   /// Fills the matrix, each pair once. Keeps its memory for the next call.
   void compute(const CorrespondenceView& view, double bound);
 
+  /// The same without short pairs, which determine a pose badly: bit j of row i also needs
+  ///   |p_i - p_j| + |q_i - q_j| > separation,
+  /// so the diagonal is clear. Without square roots: with a, b the squared lengths and m = separation^2 - (a + b),
+  /// m < 0 or m^2 < 4 a b. separation: caller's unit, finite and > 0.
+  void compute_separated(const CorrespondenceView& view, double bound, double separation);
+
   [[nodiscard]] std::size_t size() const noexcept { return size_; }
   [[nodiscard]] std::size_t words() const noexcept { return words_; }
   [[nodiscard]] std::span<const std::uint64_t> row(std::size_t i) const noexcept {
@@ -29,6 +35,8 @@ class ConsistencyMatrix {
   [[nodiscard]] std::span<const std::uint32_t> degrees() const noexcept { return degrees_; }
 
  private:
+  void resize(const CorrespondenceView& view);
+
   std::size_t size_ = 0;
   std::size_t words_ = 0;
   std::vector<std::uint64_t> storage_;
@@ -42,8 +50,17 @@ class ConsistencyMatrix {
 [[nodiscard]] std::uint32_t and_popcount(std::span<const std::uint64_t> a, std::span<const std::uint64_t> b);
 
 /// counts[r] = bits set in both `set` and row rows[r] of `matrix`: the degrees of chosen members within the set.
+/// With set = matrix.row(i) and rows its neighbours j: the second-order measure of the edges (i, j), their common
+/// neighbours (SC2 of Z. Chen et al., CVPR 2022); a set diagonal makes i and j count among these, 2 too many.
 /// set: matrix.words() words; rows, counts: R. Throws std::invalid_argument on mismatched sizes.
 void and_popcount_rows(const ConsistencyMatrix& matrix, std::span<const std::uint64_t> set,
                        std::span<const std::uint32_t> rows, std::span<std::uint32_t> counts);
+
+/// sums[r] = sum of values[j] over the ones j of row first_row + r: rows of the product of the matrix and a vector.
+/// Single precision, in 16 interleaved sums joined in one order: the same bits on every ISA. values: matrix.words() *
+/// kBlock floats, of which those from matrix.size() on may be anything; sums: as many rows as are wanted. Throws
+/// std::invalid_argument on other sizes.
+void masked_row_sums(const ConsistencyMatrix& matrix, std::size_t first_row, std::span<const float> values,
+                     std::span<float> sums);
 
 }  // namespace consimd
