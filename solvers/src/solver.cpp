@@ -8,6 +8,7 @@
 #include <consimd/solvers/noise_bound.hpp>
 #include <consimd/solvers/ransac.hpp>
 #include <consimd/solvers/tcf.hpp>
+#include <consimd/solvers/teaser.hpp>
 
 #include "stage_clock.hpp"
 
@@ -21,6 +22,8 @@ constexpr SolverInfo kInfos[] = {
     {"ransac", "three-point RANSAC with length check and local optimisation: at most 50 000 samples"},
     {"ransac-10k", "the same with 10 000 samples, never fewer"},
     {"ransac-50k", "the same with 50 000 samples, never fewer"},
+    {"teaser",
+     "maximum clique of pairs that agree in length, rotation by graduated non-convexity, translation by votes"},
 };
 
 Registration run(std::string_view solver, const Correspondences& correspondences, double noise_bound,
@@ -32,6 +35,9 @@ Registration run(std::string_view solver, const Correspondences& correspondences
       options.confidence.reset();
     }
     return register_ransac(correspondences, options);
+  }
+  if (solver == "teaser") {
+    return register_teaser(correspondences, {.noise_bound = noise_bound, .seed = seed, .bounds_tried = bounds_tried});
   }
   TcfOptions options;
   if (solver == "tcf-published") options = TcfOptions::as_published(noise_bound, seed);
