@@ -31,8 +31,9 @@ void ReducedGraph::reduce() {
     const bool unchanged = kept.size() == names_.size() && std::ranges::is_sorted(kept);
     if (unchanged && !original_) return;
     keep(kept);
-    // A core keeps its core numbers and its order.
-    if (kept.size() < core_size) numbers_ = core_numbers(graph_);
+    // Otherwise what is left is a core, which keeps its core numbers and its order.
+    if (kept.size() < core_size || ruled_out_) numbers_ = core_numbers(graph_);
+    ruled_out_ = false;
   }
 }
 

@@ -24,6 +24,12 @@ class ReducedGraph {
     return static_cast<std::uint32_t>(best_.size() + 1 - settled_.size());
   }
 
+  /// Vertices of what is left that no clique of `wanted` vertices can hold: `reduce` drops them.
+  void rule_out(const std::vector<std::uint32_t>& vertices) {
+    for (const std::uint32_t v : vertices) numbers_.core[v] = 0;
+    ruled_out_ = ruled_out_ || !vertices.empty();
+  }
+
   /// Drops and sets aside what can be, until nothing changes. Renumbers the vertices: the one peeled last comes first.
   void reduce();
 
@@ -37,6 +43,7 @@ class ReducedGraph {
 
   GraphView view_;  // the whole graph, until something is left out
   bool original_ = true;
+  bool ruled_out_ = false;
   BitGraph graph_;
   std::vector<std::uint32_t> names_;  // of the vertices in the whole graph
   CoreNumbers numbers_;

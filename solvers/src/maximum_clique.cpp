@@ -134,20 +134,29 @@ class MaximumCliqueSearch {
   }
 
  private:
-  // Offers greedy cliques around `starts`.
+  // Offers greedy cliques around `starts`, and rules out those of which none could be larger than the best.
   void grow(std::span<const std::uint32_t> starts) {
     const GraphView graph = reduced_.rest();
     cliques_.assign(starts.size(), {});
+    hopeless_.assign(starts.size(), 0);
     tbb::parallel_for(tbb::blocked_range<std::size_t>(0, starts.size(), 1), [&](const auto& range) {
       Neighbourhood& neighbourhood = scratch_.local().neighbourhood;
       for (std::size_t i = range.begin(); i < range.end(); ++i) {
         if (reduced_.core()[starts[i]] + 1 < reduced_.wanted()) continue;
-        if (!neighbourhood.assign(graph, starts[i], graph.size(), reduced_.wanted() - 1)) continue;
+        if (!neighbourhood.assign(graph, starts[i], graph.size(), reduced_.wanted() - 1)) {
+          hopeless_[i] = 1;
+          continue;
+        }
         cliques_[i].push_back(starts[i]);
         neighbourhood.take_greedily(graph, cliques_[i]);
       }
     });
     for (const std::vector<std::uint32_t>& clique : cliques_) reduced_.offer(clique);
+    std::vector<std::uint32_t> hopeless;
+    for (std::size_t i = 0; i < starts.size(); ++i) {
+      if (hopeless_[i] != 0) hopeless.push_back(starts[i]);
+    }
+    reduced_.rule_out(hopeless);
   }
 
   // Returns whether the best clique is a maximum one.
@@ -205,6 +214,7 @@ class MaximumCliqueSearch {
   std::uint64_t nodes_left_;
   std::uint64_t nodes_ = 0;
   std::vector<std::vector<std::uint32_t>> cliques_;
+  std::vector<std::uint8_t> hopeless_;
   std::vector<Outcome> outcomes_;
   tbb::enumerable_thread_specific<Scratch> scratch_;
 };
