@@ -15,7 +15,8 @@ enum class RandomStage : std::uint32_t {
   three_point = 3,
   permutation = 4,
   background = 5,
-  pairing = 6
+  pairing = 6,
+  sparsification = 7
 };
 
 class CounterRandom {

@@ -1,9 +1,12 @@
 #include "pruning.hpp"
 
 #include <algorithm>
+#include <array>
 #include <bit>
 #include <cmath>
 #include <numeric>
+
+#include <consimd/kernels/length_consistency.hpp>
 
 namespace consimd::detail {
 namespace {
@@ -60,6 +63,18 @@ void members_of(std::span<const std::uint64_t> bits, std::vector<std::uint32_t>&
       *next++ = static_cast<std::uint32_t>(w * kBlock + static_cast<std::size_t>(std::countr_zero(word)));
     }
   }
+}
+
+std::vector<std::uint32_t> rows_in_agreement(const CorrespondenceView& view, const IndexTriple& triple,
+                                             double consistency_bound) {
+  const std::size_t words = view.words();
+  std::vector<std::uint64_t> bits(3 * words);
+  std::array<std::uint32_t, 3> counts{};
+  length_consistency_bits(view, std::array{triple.first, triple.second, triple.third}, consistency_bound, bits, counts);
+  for (std::size_t w = 0; w < words; ++w) bits[w] &= bits[words + w] & bits[2 * words + w];
+  std::vector<std::uint32_t> rows;
+  members_of(std::span(bits).first(words), rows);
+  return rows;
 }
 
 void prune(const ConsistencyMatrix& matrix, std::vector<std::uint32_t>& members, std::uint32_t give_up_below,

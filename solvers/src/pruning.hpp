@@ -7,11 +7,16 @@
 
 #include <consimd/kernels/consistency_matrix.hpp>
 #include <consimd/kernels/correspondences.hpp>
+#include <consimd/kernels/kernel_data.hpp>
 
 namespace consimd::detail {
 
 /// Appends the positions of the ones of `bits` to `rows` (cleared first), ascending.
 void members_of(std::span<const std::uint64_t> bits, std::vector<std::uint32_t>& rows);
+
+/// Rows that agree in length with each of three, ascending.
+std::vector<std::uint32_t> rows_in_agreement(const CorrespondenceView& view, const IndexTriple& triple,
+                                             double consistency_bound);
 
 /// What a member of a set is worth.
 enum class Merit : std::uint8_t {

@@ -5,6 +5,7 @@
 #include <string>
 #include <utility>
 
+#include <consimd/solvers/mac.hpp>
 #include <consimd/solvers/noise_bound.hpp>
 #include <consimd/solvers/ransac.hpp>
 #include <consimd/solvers/tcf.hpp>
@@ -24,6 +25,7 @@ constexpr SolverInfo kInfos[] = {
     {"ransac-50k", "the same with 50 000 samples, never fewer"},
     {"teaser",
      "maximum clique of pairs that agree in length, rotation by graduated non-convexity, translation by votes"},
+    {"mac", "poses of the heaviest maximal cliques of compatible correspondences, the best by its score on all"},
 };
 
 Registration run(std::string_view solver, const Correspondences& correspondences, double noise_bound,
@@ -38,6 +40,9 @@ Registration run(std::string_view solver, const Correspondences& correspondences
   }
   if (solver == "teaser") {
     return register_teaser(correspondences, {.noise_bound = noise_bound, .seed = seed, .bounds_tried = bounds_tried});
+  }
+  if (solver == "mac") {
+    return register_mac(correspondences, {.noise_bound = noise_bound, .seed = seed, .bounds_tried = bounds_tried});
   }
   TcfOptions options;
   if (solver == "tcf-published") options = TcfOptions::as_published(noise_bound, seed);

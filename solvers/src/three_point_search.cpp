@@ -8,7 +8,6 @@
 #include <cmath>
 
 #include <consimd/kernels/alignment_residuals.hpp>
-#include <consimd/kernels/length_consistency.hpp>
 #include <consimd/kernels/three_point_fit.hpp>
 
 #include "points.hpp"
@@ -157,16 +156,7 @@ void ThreePointSearch::offer(std::size_t position) {
 }
 
 std::vector<std::uint32_t> ThreePointSearch::best_set() const {
-  const CorrespondenceView view = correspondences_.view();
-  const std::size_t words = view.words();
-  std::vector<std::uint64_t> bits(3 * words);
-  std::array<std::uint32_t, 3> counts{};
-  length_consistency_bits(view, std::array{best_sample_.first, best_sample_.second, best_sample_.third},
-                          2.0 * options_.noise_bound, bits, counts);
-  for (std::size_t w = 0; w < words; ++w) bits[w] &= bits[words + w] & bits[2 * words + w];
-  std::vector<std::uint32_t> rows;
-  members_of(std::span(bits).first(words), rows);
-  return rows;
+  return rows_in_agreement(correspondences_, best_sample_, 2.0 * options_.noise_bound);
 }
 
 }  // namespace consimd::detail
