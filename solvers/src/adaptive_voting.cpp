@@ -78,12 +78,13 @@ AdaptiveVote adaptive_voting(std::span<const double> values, std::span<const dou
     } else {
       sums.remove(values[i] - origin, bounds[i]);
     }
-    // A set is whole before the next interval closes.
-    if (sums.size == 0 || ends[e + 1].opens) continue;
+    // Where end points coincide, all intervals that open there do before one closes.
+    const EndPoint& next = ends[e + 1];
+    if (sums.size == 0 || (at == next.at && (!opens || next.opens))) continue;
     const double cost = sums.cost() + all - static_cast<double>(sums.size);
     if (cost < least) {
       least = cost;
-      best = ends[e + 1].at;
+      best = 0.5 * (at + next.at);
     }
   }
   Sums chosen;

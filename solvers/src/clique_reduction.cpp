@@ -8,7 +8,8 @@
 
 namespace consimd::detail {
 
-ReducedGraph::ReducedGraph(const GraphView& graph) : view_(graph), names_(graph.size()), numbers_(core_numbers(graph)) {
+ReducedGraph::ReducedGraph(const GraphView& graph, std::uint32_t larger_than)
+    : view_(graph), names_(graph.size()), numbers_(core_numbers(graph)), larger_than_(larger_than) {
   std::iota(names_.begin(), names_.end(), 0U);
 }
 

@@ -1,6 +1,7 @@
 // What of a graph needs no search on the way to its maximum clique.
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <vector>
 
@@ -12,8 +13,8 @@ namespace consimd::detail {
 /// one of the rest holds for sure are set aside.
 class ReducedGraph {
  public:
-  /// Keeps the view, whose owner must live as long.
-  explicit ReducedGraph(const GraphView& graph);
+  /// Keeps the view, whose owner must live as long. Cliques of up to `larger_than` vertices are of no interest.
+  ReducedGraph(const GraphView& graph, std::uint32_t larger_than);
 
   /// Offers a clique of what is left; with the vertices set aside it is one of the whole graph.
   void offer(const std::vector<std::uint32_t>& clique);
@@ -21,7 +22,7 @@ class ReducedGraph {
   [[nodiscard]] const std::vector<std::uint32_t>& best() const noexcept { return best_; }
   /// Vertices that a clique of what is left must have to make a larger one.
   [[nodiscard]] std::uint32_t wanted() const noexcept {
-    return static_cast<std::uint32_t>(best_.size() + 1 - settled_.size());
+    return static_cast<std::uint32_t>(std::max(best_.size(), larger_than_) + 1 - settled_.size());
   }
 
   /// Vertices of what is left that no clique of `wanted` vertices can hold: `reduce` drops them.
@@ -48,6 +49,7 @@ class ReducedGraph {
   std::vector<std::uint32_t> names_;  // of the vertices in the whole graph
   CoreNumbers numbers_;
   std::vector<std::uint32_t> settled_;  // set aside; vertices of the whole graph
+  std::size_t larger_than_;
   std::vector<std::uint32_t> best_;
 };
 

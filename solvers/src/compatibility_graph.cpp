@@ -29,8 +29,10 @@ CompatibilityGraph::CompatibilityGraph(const CorrespondenceView& view, double di
   matrix_.compute(view, distance * std::sqrt(1.0 - threshold));
   const std::span<const std::uint32_t> degrees = matrix_.degrees();
   const std::uint64_t ones = std::accumulate(degrees.begin(), degrees.end(), std::uint64_t{0});
-  const auto max_edges = static_cast<std::uint64_t>(0.5 * max_mean_degree * static_cast<double>(view.size()));
-  if ((ones - view.size()) / 2 > max_edges) sparsify(max_edges, seed);
+  const double max_edges = 0.5 * max_mean_degree * static_cast<double>(view.size());
+  if (0.5 * static_cast<double>(ones - view.size()) > max_edges) {
+    sparsify(static_cast<std::uint64_t>(max_edges), seed);
+  }
 }
 
 // The diagonal is set, which makes the ends of an edge common neighbours of it.

@@ -24,10 +24,11 @@ namespace {
 
 constexpr std::size_t kFitsPerTask = 16;
 constexpr int kPowerIterations = 20;
-// A pose is brought into place and followed up as a rival if it has this share of the best pose's score, up to so many
-// poses: those of small cliques are noisy.
+// A pose is brought into place if it has this share of the best pose's score: those of small cliques are noisy. So are
+// the best few, even if they are the same motion, and then so many at most that are another.
 constexpr float kWorthOptimising = 0.4F;
-constexpr int kOptimised = 32;
+constexpr std::size_t kFirstOptimised = 16;
+constexpr std::size_t kOptimised = 48;
 
 /// Leading eigenvector of the clique's edge weights, which are positive off the diagonal.
 Eigen::VectorXd leading_eigenvector(const detail::CompatibilityGraph& graph, std::span<const std::uint32_t> clique,
@@ -101,11 +102,11 @@ std::vector<Hypothesis> hypotheses_of(const CorrespondenceView& view, const deta
 std::size_t choose(const Correspondences& correspondences, std::span<const Hypothesis> hypotheses, double noise_bound,
                    detail::BestPoses& poses) {
   std::size_t best = 0;
-  int optimised = 0;
+  std::size_t optimised = 0;
   for (const Hypothesis& hypothesis : hypotheses) {
     const float score = hypothesis.candidate.support.score;
     if (score <= kWorthOptimising * poses.best().support.score || optimised == kOptimised) break;
-    if (poses.same_motion_as_best(hypothesis.candidate.pose)) continue;
+    if (optimised >= kFirstOptimised && poses.same_motion_as_best(hypothesis.candidate.pose)) continue;
     ++optimised;
     if (poses.offer(detail::locally_optimise(correspondences, hypothesis.candidate, noise_bound))) {
       best = hypothesis.clique;

@@ -109,7 +109,8 @@ struct Scratch {
 
 class MaximumCliqueSearch {
  public:
-  MaximumCliqueSearch(const GraphView& graph, std::uint64_t max_nodes) : reduced_(graph), nodes_left_(max_nodes) {}
+  MaximumCliqueSearch(const GraphView& graph, const MaximumCliqueOptions& options)
+      : reduced_(graph, options.larger_than), larger_than_(options.larger_than), nodes_left_(options.max_nodes) {}
 
   MaximumClique run() {
     const std::size_t size = reduced_.rest().size();
@@ -127,7 +128,7 @@ class MaximumCliqueSearch {
     reduced_.reduce();
     MaximumClique result;
     result.proven = search();
-    result.members = reduced_.best();
+    if (reduced_.best().size() > larger_than_) result.members = reduced_.best();
     result.nodes = nodes_;
     std::ranges::sort(result.members);
     return result;
@@ -211,6 +212,7 @@ class MaximumCliqueSearch {
   }
 
   ReducedGraph reduced_;
+  std::uint32_t larger_than_;
   std::uint64_t nodes_left_;
   std::uint64_t nodes_ = 0;
   std::vector<std::vector<std::uint32_t>> cliques_;
@@ -223,7 +225,7 @@ class MaximumCliqueSearch {
 }  // namespace detail
 
 MaximumClique maximum_clique(const GraphView& graph, const MaximumCliqueOptions& options) {
-  return detail::MaximumCliqueSearch(graph, options.max_nodes).run();
+  return detail::MaximumCliqueSearch(graph, options).run();
 }
 
 }  // namespace consimd

@@ -81,7 +81,7 @@ inline std::vector<Vertices> maximal_cliques(const GraphView& graph) {
 
 inline std::size_t clique_number(const GraphView& graph) {
   std::size_t largest = 0;
-  for (const Vertices& clique : maximal_cliques(graph)) largest = std::max(largest, clique.size());
+  for (const Vertices& clique : brute_force::maximal_cliques(graph)) largest = std::max(largest, clique.size());
   return largest;
 }
 

@@ -12,10 +12,12 @@ struct MaximumCliqueOptions {
   /// Nodes of the search tree, at most; when they end before the proof, the best clique so far is given. 0: the greedy
   /// heuristic alone. Nodes, not seconds: the result is the same on every machine.
   std::uint64_t max_nodes = 200'000;
+  /// Cliques of up to so many vertices are of no interest, which saves most of the work where there are no larger ones.
+  std::uint32_t larger_than = 0;
 };
 
 struct MaximumClique {
-  std::vector<std::uint32_t> members;  ///< ascending; empty only for a graph without vertices
+  std::vector<std::uint32_t> members;  ///< ascending; empty: none larger than `larger_than` was found
   bool proven = false;                 ///< no larger clique exists
   std::uint64_t nodes = 0;             ///< of the search tree
 };
