@@ -23,8 +23,9 @@ void ReducedGraph::reduce() {
   std::vector<std::uint32_t> kept;
   while (true) {
     kept.clear();
-    for (auto v = numbers_.order.rbegin(); v != numbers_.order.rend(); ++v) {
-      if (numbers_.core[*v] + 1 >= wanted()) kept.push_back(*v);
+    for (std::size_t p = numbers_.order.size(); p-- > 0;) {
+      const std::uint32_t v = numbers_.order[p];
+      if (numbers_.core[v] + 1 >= wanted()) kept.push_back(v);
     }
     const std::size_t core_size = kept.size();
     settle(kept);

@@ -39,8 +39,7 @@ class CliquesAround {
     if (!started_) return result;
     std::vector<std::uint32_t> chosen(best_);
     std::ranges::sort(chosen);
-    const auto [end, last] = std::ranges::unique(chosen);
-    chosen.erase(end, last);
+    chosen.erase(std::unique(chosen.begin(), chosen.end()), chosen.end());
     for (const std::uint32_t c : chosen) {
       if (c == kNone) continue;
       WeightedClique& clique = result.cliques.emplace_back();
@@ -141,9 +140,9 @@ SelectedCliques select_cliques(const CompatibilityGraph& graph, const MacOptions
     }
   }
   std::ranges::sort(best);
-  const auto [end, last] = std::ranges::unique(best);
-  for (auto b = best.begin(); b != end; ++b) {
-    if (*b != 0) selected.cliques.push_back(std::move(all[*b - 1]));
+  best.erase(std::unique(best.begin(), best.end()), best.end());
+  for (const std::size_t b : best) {
+    if (b != 0) selected.cliques.push_back(std::move(all[b - 1]));
   }
   std::ranges::stable_sort(selected.cliques, std::ranges::greater{}, &WeightedClique::weight);
   return selected;
