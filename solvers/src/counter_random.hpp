@@ -16,7 +16,8 @@ enum class RandomStage : std::uint32_t {
   permutation = 4,
   background = 5,
   pairing = 6,
-  matrix_sample = 7
+  matrix_sample = 7,
+  sparsification = 8
 };
 
 class CounterRandom {

@@ -15,6 +15,9 @@
 namespace consimd::detail {
 namespace {
 
+// Of a residual per axis, where it is not estimated: the noise bound is three of them.
+constexpr double kSigmaPerBound = 1.0 / 3.0;
+
 // Whether a pose with so many supporters might be the true one as well.
 bool is_rival(std::size_t support, const BestPoses& poses) {
   return static_cast<double>(support) >= kRivalShare * poses.best().support.count;
@@ -45,10 +48,16 @@ Registration start_registration(double noise_bound, std::uint64_t seed) {
 }
 
 FinalPose finish(const Correspondences& correspondences, const TcfOptions& options, const PoseCandidate& best,
-                 std::uint32_t seeds, const std::optional<Significance>& glance) {
+                 std::uint32_t seeds, Refinement refinement, const std::optional<Significance>& glance) {
   const CorrespondenceView view = correspondences.view();
   const double tau = options.noise_bound;
-  const RefinedPose refined = refine_pose(correspondences, best.pose, {tau});
+  RefinedPose refined;
+  if (refinement == Refinement::full) {
+    refined = refine_pose(correspondences, best.pose, {tau});
+  } else {
+    refined.fit.pose = from_working_pose(best.pose);
+    refined.sigma = kSigmaPerBound * tau;
+  }
   const WorkingPose pose = to_working_pose(refined.fit.pose);
   FinalPose final{refined.fit.pose, pose_inliers(view, pose, tau), 0.0, 0.0, refined.rounds, refined.covariance};
   final.rotation_deviation = rotation_deviation(view, pose, tau, refined.sigma);

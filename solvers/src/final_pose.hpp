@@ -28,10 +28,17 @@ struct FinalPose {
 /// A registration that says what is used and has no result yet.
 Registration start_registration(double noise_bound, std::uint64_t seed);
 
+/// What `finish` does to a pose before it is tested.
+enum class Refinement : std::uint8_t {
+  full,  ///< maximum likelihood over all correspondences
+  none,  ///< nothing: for solvers whose own estimate is asked for. No covariance then
+};
+
 /// Refines `best` and measures its significance: that of a pose which the default search found from `seeds` seeds.
 /// `glance`: what a glance said of it, if that left no doubt.
 FinalPose finish(const Correspondences& correspondences, const TcfOptions& options, const PoseCandidate& best,
-                 std::uint32_t seeds, const std::optional<Significance>& glance = std::nullopt);
+                 std::uint32_t seeds, Refinement refinement = Refinement::full,
+                 const std::optional<Significance>& glance = std::nullopt);
 
 /// Fills the status and all that belongs to the pose. `final`: of poses.best(), or as constructed if there is none.
 /// `set`: rows that agree in length, from which the best pose came. `confident`: the search did not end early.

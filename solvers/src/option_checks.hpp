@@ -5,7 +5,10 @@
 #include <cstdint>
 #include <sstream>
 #include <stdexcept>
+#include <string>
 #include <string_view>
+
+#include <consimd/kernels/consistency_matrix.hpp>
 
 namespace consimd::detail {
 
@@ -26,6 +29,14 @@ inline void require_above_zero(std::string_view name, std::uint32_t value) {
 
 inline void require_confidence(double value) {
   if (!(value > 0.0 && value < 1.0)) reject_option("confidence", value, "a probability between 0 and 1, both excluded");
+}
+
+/// The consistency matrix of all correspondences must fit its budget: there is no result without it.
+inline void require_matrix_budget(std::size_t budget_bytes, std::size_t correspondences) {
+  const std::size_t needed = ConsistencyMatrix::memory_bytes(correspondences);
+  if (needed <= budget_bytes) return;
+  reject_option("matrix_budget_bytes", budget_bytes,
+                "at least " + std::to_string(needed) + " for " + std::to_string(correspondences) + " correspondences");
 }
 
 }  // namespace consimd::detail

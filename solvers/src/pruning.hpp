@@ -7,6 +7,7 @@
 
 #include <consimd/kernels/consistency_matrix.hpp>
 #include <consimd/kernels/correspondences.hpp>
+#include <consimd/kernels/kernel_data.hpp>
 
 namespace consimd::detail {
 

@@ -5,10 +5,12 @@
 #include <string>
 #include <utility>
 
+#include <consimd/solvers/mac.hpp>
 #include <consimd/solvers/noise_bound.hpp>
 #include <consimd/solvers/ransac.hpp>
 #include <consimd/solvers/sc2_pcr.hpp>
 #include <consimd/solvers/tcf.hpp>
+#include <consimd/solvers/teaser.hpp>
 #include <consimd/solvers/turboreg.hpp>
 
 #include "stage_clock.hpp"
@@ -25,6 +27,9 @@ constexpr SolverInfo kInfos[] = {
     {"ransac-50k", "the same with 50 000 samples, never fewer"},
     {"sc2_pcr", "second-order spatial compatibility: consensus sets of confident seeds"},
     {"turboreg", "three-cliques of the edges with most common neighbours"},
+    {"teaser",
+     "maximum clique of pairs that agree in length, rotation by graduated non-convexity, translation by votes"},
+    {"mac", "poses of the heaviest maximal cliques of compatible correspondences, the best by its score on all"},
 };
 
 Registration run(std::string_view solver, const Correspondences& correspondences, double noise_bound,
@@ -42,6 +47,12 @@ Registration run(std::string_view solver, const Correspondences& correspondences
   }
   if (solver == "turboreg") {
     return register_turboreg(correspondences, {.noise_bound = noise_bound, .seed = seed, .bounds_tried = bounds_tried});
+  }
+  if (solver == "teaser") {
+    return register_teaser(correspondences, {.noise_bound = noise_bound, .seed = seed, .bounds_tried = bounds_tried});
+  }
+  if (solver == "mac") {
+    return register_mac(correspondences, {.noise_bound = noise_bound, .seed = seed, .bounds_tried = bounds_tried});
   }
   TcfOptions options;
   if (solver == "tcf-published") options = TcfOptions::as_published(noise_bound, seed);

@@ -40,7 +40,8 @@ Registration register_tcf(const Correspondences& correspondences, const TcfOptio
     search.run(exhaustive);
     const detail::StageClock refinement_clock(refinement_seconds);
     if (search.best().support.count >= 3)
-      final = detail::finish(correspondences, options, search.best(), search.sets().drawn(), search.settled());
+      final = detail::finish(correspondences, options, search.best(), search.sets().drawn(), detail::Refinement::full,
+                             search.settled());
     if (final.log10_false_poses < detail::kSignificant) break;
   }
 

@@ -50,7 +50,7 @@ struct Registration {
   RigidTransform T_target_source = RigidTransform::Identity();
   /// Of the pose's error (theta, dt), rotation in rad before translation in the caller's unit, target frame (see
   /// pose_covariance.hpp), for a pose near the true one; whether it is, the significance tells. Zero when there is no
-  /// pose, and from tcf-published, which does not estimate it.
+  /// pose, and from tcf-published and teaser without refinement, which do not estimate it.
   PoseCovariance covariance = PoseCovariance::Zero();
   /// Rows within `noise_bound` of the pose, ascending. Empty when there is no pose.
   std::vector<std::uint32_t> inliers;

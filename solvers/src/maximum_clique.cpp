@@ -1,0 +1,231 @@
+#include <consimd/solvers/maximum_clique.hpp>
+
+#include <oneapi/tbb/blocked_range.h>
+#include <oneapi/tbb/enumerable_thread_specific.h>
+#include <oneapi/tbb/parallel_for.h>
+
+#include <algorithm>
+
+#include "bit_rows.hpp"
+#include "clique_branching.hpp"
+#include "clique_reduction.hpp"
+
+namespace consimd {
+namespace detail {
+namespace {
+
+// Greedy cliques from so many vertices, spread over all, come before the first reduction.
+constexpr std::size_t kFirstStarts = 16;
+// Vertices looked at with the same bound: enough to keep many threads busy.
+constexpr std::size_t kRound = 256;
+constexpr std::size_t kSearchRound = 32;
+// Degrees within the candidates are counted again once these have shrunk to this share.
+constexpr double kRecount = 0.75;
+
+/// The neighbourhood of a vertex, reduced to what a clique of the wanted size can hold.
+class Neighbourhood {
+ public:
+  /// All of it. Returns whether it may hold `wanted` pairwise adjacent vertices; if so `members` are those that may be
+  /// among them, of highest degree first.
+  bool assign(const GraphView& graph, std::uint32_t vertex, std::size_t candidates, std::uint32_t wanted) {
+    set_.assign(graph.words(), 0);
+    const std::span<const std::uint64_t> row = graph.row(vertex);
+    const std::size_t words = words_for(candidates);
+    std::copy_n(row.begin(), words, set_.begin());
+    if (candidates % kBlock != 0) set_[words - 1] &= (std::uint64_t{1} << (candidates % kBlock)) - 1;
+    clear_bit(set_, vertex);
+    list();
+    while (true) {
+      if (members_.size() < wanted) return false;
+      count(graph);
+      std::size_t dropped = 0;
+      for (const Member& member : members_) {
+        if (member.degree + 1 >= wanted) continue;
+        clear_bit(set_, member.vertex);
+        ++dropped;
+      }
+      if (dropped == 0) break;
+      std::erase_if(members_, [&](const Member& member) { return member.degree + 1 < wanted; });
+    }
+    sort();
+    return true;
+  }
+
+  [[nodiscard]] std::size_t size() const noexcept { return members_.size(); }
+  [[nodiscard]] std::uint32_t vertex(std::size_t i) const noexcept { return members_[i].vertex; }
+
+  /// Takes the vertex of highest degree among the candidates, again and again. Leaves the neighbourhood empty.
+  void take_greedily(const GraphView& graph, std::vector<std::uint32_t>& clique) {
+    while (!members_.empty()) {
+      const std::size_t counted = members_.size();
+      std::size_t left = counted;
+      for (std::size_t i = 0; i < counted && static_cast<double>(left) >= kRecount * static_cast<double>(counted);
+           ++i) {
+        const std::uint32_t taken = members_[i].vertex;
+        if (!test_bit(set_, taken)) continue;
+        clique.push_back(taken);
+        intersect(set_, graph.row(taken), set_);
+        clear_bit(set_, taken);
+        left = popcount(set_);
+      }
+      list();
+      count(graph);
+      sort();
+    }
+  }
+
+ private:
+  struct Member {
+    std::uint32_t vertex;
+    std::uint32_t degree;  // within the set
+  };
+
+  void list() {
+    members_.clear();
+    for_each_in(set_, [&](std::uint32_t v) { members_.push_back({v, 0}); });
+  }
+  void count(const GraphView& graph) {
+    for (Member& member : members_) {
+      const std::uint32_t degree = and_popcount(graph.row(member.vertex), set_);
+      member.degree = degree - (graph.adjacent(member.vertex, member.vertex) ? 1U : 0U);
+    }
+  }
+  void sort() {
+    std::ranges::sort(members_, [](const Member& a, const Member& b) {
+      return a.degree != b.degree ? a.degree > b.degree : a.vertex < b.vertex;
+    });
+  }
+
+  std::vector<std::uint64_t> set_;
+  std::vector<Member> members_;
+};
+
+struct Scratch {
+  Neighbourhood neighbourhood;
+  std::vector<std::uint32_t> vertices;
+  BitGraph graph;
+  CliqueBranching branching;
+};
+
+class MaximumCliqueSearch {
+ public:
+  MaximumCliqueSearch(const GraphView& graph, const MaximumCliqueOptions& options)
+      : reduced_(graph, options.larger_than), larger_than_(options.larger_than), nodes_left_(options.max_nodes) {}
+
+  MaximumClique run() {
+    const std::size_t size = reduced_.rest().size();
+    std::vector<std::uint32_t> starts;
+    for (std::size_t i = 0; i < std::min(kFirstStarts, size); ++i) {
+      starts.push_back(static_cast<std::uint32_t>(i * size / std::min(kFirstStarts, size)));
+    }
+    grow(starts);
+    reduced_.reduce();
+    starts.clear();
+    for (std::uint32_t v = 0; v < reduced_.rest().size(); ++v) starts.push_back(v);
+    for (std::size_t begin = 0; begin < starts.size(); begin += kRound) {
+      grow(std::span(starts).subspan(begin, std::min(kRound, starts.size() - begin)));
+    }
+    reduced_.reduce();
+    MaximumClique result;
+    result.proven = search();
+    if (reduced_.best().size() > larger_than_) result.members = reduced_.best();
+    result.nodes = nodes_;
+    std::ranges::sort(result.members);
+    return result;
+  }
+
+ private:
+  // Offers greedy cliques around `starts`, and rules out those of which none could be larger than the best.
+  void grow(std::span<const std::uint32_t> starts) {
+    const GraphView graph = reduced_.rest();
+    cliques_.assign(starts.size(), {});
+    hopeless_.assign(starts.size(), 0);
+    tbb::parallel_for(tbb::blocked_range<std::size_t>(0, starts.size(), 1), [&](const auto& range) {
+      Neighbourhood& neighbourhood = scratch_.local().neighbourhood;
+      for (std::size_t i = range.begin(); i < range.end(); ++i) {
+        if (reduced_.core()[starts[i]] + 1 < reduced_.wanted()) continue;
+        if (!neighbourhood.assign(graph, starts[i], graph.size(), reduced_.wanted() - 1)) {
+          hopeless_[i] = 1;
+          continue;
+        }
+        cliques_[i].push_back(starts[i]);
+        neighbourhood.take_greedily(graph, cliques_[i]);
+      }
+    });
+    for (const std::vector<std::uint32_t>& clique : cliques_) reduced_.offer(clique);
+    std::vector<std::uint32_t> hopeless;
+    for (std::size_t i = 0; i < starts.size(); ++i) {
+      if (hopeless_[i] != 0) hopeless.push_back(starts[i]);
+    }
+    reduced_.rule_out(hopeless);
+  }
+
+  // Returns whether the best clique is a maximum one.
+  bool search() {
+    const GraphView graph = reduced_.rest();
+    bool proven = true;
+    for (std::size_t first = 0; first < graph.size(); first += kSearchRound) {
+      const std::uint32_t wanted = reduced_.wanted();
+      if (reduced_.core()[first] + 1 < wanted) break;  // and so are all that follow
+      const std::size_t count = std::min(kSearchRound, graph.size() - first);
+      const std::uint64_t share = nodes_left_ / count;
+      outcomes_.assign(count, {});
+      tbb::parallel_for(tbb::blocked_range<std::size_t>(0, count, 1), [&](const auto& range) {
+        for (std::size_t i = range.begin(); i < range.end(); ++i) {
+          outcomes_[i] = search_from(graph, static_cast<std::uint32_t>(first + i), wanted, share);
+        }
+      });
+      for (const Outcome& outcome : outcomes_) {
+        reduced_.offer(outcome.clique);
+        proven = proven && outcome.complete;
+        nodes_left_ -= outcome.nodes;
+        nodes_ += outcome.nodes;
+      }
+    }
+    return proven;
+  }
+
+  struct Outcome {
+    std::vector<std::uint32_t> clique;
+    bool complete = true;
+    std::uint64_t nodes = 0;
+  };
+
+  // The largest clique of `vertex` and vertices that were peeled after it.
+  Outcome search_from(const GraphView& graph, std::uint32_t vertex, std::uint32_t wanted, std::uint64_t max_nodes) {
+    Outcome outcome;
+    if (reduced_.core()[vertex] + 1 < wanted) return outcome;
+    Scratch& scratch = scratch_.local();
+    if (!scratch.neighbourhood.assign(graph, vertex, vertex, wanted - 1)) return outcome;
+    scratch.vertices.clear();
+    for (std::size_t i = 0; i < scratch.neighbourhood.size(); ++i) {
+      scratch.vertices.push_back(scratch.neighbourhood.vertex(i));
+    }
+    scratch.graph.assign_subgraph(graph, scratch.vertices);
+    scratch.branching.run(scratch.graph, std::max(wanted, 2U) - 1, max_nodes);
+    outcome.complete = scratch.branching.complete();
+    outcome.nodes = scratch.branching.nodes();
+    if (scratch.branching.clique().size() + 1 < wanted) return outcome;
+    outcome.clique.push_back(vertex);
+    for (const std::uint32_t i : scratch.branching.clique()) outcome.clique.push_back(scratch.vertices[i]);
+    return outcome;
+  }
+
+  ReducedGraph reduced_;
+  std::uint32_t larger_than_;
+  std::uint64_t nodes_left_;
+  std::uint64_t nodes_ = 0;
+  std::vector<std::vector<std::uint32_t>> cliques_;
+  std::vector<std::uint8_t> hopeless_;
+  std::vector<Outcome> outcomes_;
+  tbb::enumerable_thread_specific<Scratch> scratch_;
+};
+
+}  // namespace
+}  // namespace detail
+
+MaximumClique maximum_clique(const GraphView& graph, const MaximumCliqueOptions& options) {
+  return detail::MaximumCliqueSearch(graph, options).run();
+}
+
+}  // namespace consimd
