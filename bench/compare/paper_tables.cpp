@@ -42,6 +42,7 @@ bool wanted(const TableOptions& options, std::string_view table) {
 /// Says what the data are, group by group, those of one kind together.
 std::string data_caption(const std::vector<const CaseGroup*>& groups) {
   std::vector<std::string> parts;
+  parts.reserve(groups.size());
   for (const CaseGroup* group : groups) {
     parts.push_back(fmt::format("**{}** ({} case{}): {}", group->name, group->cases.size(),
                                 group->cases.size() == 1 ? "" : "s", group->provenance));
@@ -59,6 +60,7 @@ std::string success_caption(const TableOptions& options, const std::vector<const
     names[fmt::format("{}", fmt::join(limits, " or "))].push_back(group->name);
   }
   std::vector<std::string> parts;
+  parts.reserve(names.size());
   for (const auto& [limits, of] : names) parts.push_back(fmt::format("{}: {}", fmt::join(of, ", "), limits));
   return fmt::format("Success (thresholds `{}`): {}.", options.preset, fmt::join(parts, "; "));
 }
