@@ -30,12 +30,14 @@ int main(int argc, char** argv) {
       "results)\n"
       "Examples:\n"
       "  consimd sweep\n"
+      "  consimd compare\n"
       "  consimd generate --outliers 0.95 --out problem\n"
       "  consimd register problem/correspondences.txt --noise-bound 3 --truth problem/pose.txt\n"
       "'consimd COMMAND --help' explains a command.");
   Action run;
   add_register_command(app, run);
   add_sweep_command(app, run);
+  add_compare_command(app, run);
   add_generate_command(app, run);
   add_info_command(app, run);
   try {

@@ -12,6 +12,7 @@
 
 #include "commands.hpp"
 #include "correspondence_file.hpp"
+#include "filter_option.hpp"
 #include "option_checks.hpp"
 #include "pose_file.hpp"
 #include "register_report.hpp"
@@ -26,6 +27,7 @@ struct Options {
   std::string file;
   std::optional<double> noise_bound;
   std::string solver = "tcf";
+  std::string filter = "none";
   std::uint64_t seed = 1;
   std::uint32_t repeat = 1;
   int threads = 1;
@@ -39,6 +41,7 @@ void check(const Options& options) {
         fmt::format("--noise-bound: expected a finite length > 0, got {}", *options.noise_bound));
   }
   study::require_known_solver(options.solver);
+  static_cast<void>(filter_by_name(options.filter));
   if (!options.json.empty() && options.json != "-") study::require_replaceable(options.json);
 }
 
@@ -48,6 +51,7 @@ int run_register(const Options& options) {
                         .isa = std::string(to_string(active_isa())),
                         .threads = options.threads,
                         .solver = options.solver,
+                        .filter = filter_by_name(options.filter),
                         .noise_bound = options.noise_bound};
   std::optional<RigidTransform> truth;
   if (!options.truth.empty()) truth = read_pose(options.truth);
@@ -56,8 +60,9 @@ int run_register(const Options& options) {
 
   with_threads(options.threads, [&] {
     for (std::uint32_t run = 0; run < options.repeat; ++run) {
-      report.runs.push_back(register_by_name(options.solver, correspondences,
-                                             {.noise_bound = options.noise_bound, .seed = options.seed + run}));
+      report.runs.push_back(
+          register_by_name(options.solver, correspondences,
+                           {.noise_bound = options.noise_bound, .seed = options.seed + run, .filter = report.filter}));
     }
   });
   if (truth) {
@@ -96,6 +101,7 @@ void add_register_command(CLI::App& app, Action& run) {
       "times the noise's standard deviation. Estimated from the correspondences when not given, which takes some "
       "ten times as long");
   command->add_option("--solver", options->solver, "Solver; 'consimd info' lists them")->capture_default_str();
+  add_filter_option(*command, options->filter);
   command->add_option("--seed", options->seed, "Seed of the first run")->check(whole_number())->capture_default_str();
   command->add_option("--repeat", options->repeat, "Runs, with seeds seed, seed + 1, ...")
       ->check(whole_number(1, 1'000'000))

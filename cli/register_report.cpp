@@ -138,10 +138,11 @@ std::string summary_text(const RegisterReport& report) {
 }  // namespace
 
 std::string to_json(const RegisterReport& report) {
-  const Json head = {
+  Json head = {
       {"file", report.file},     {"correspondences", report.correspondences},
       {"isa", report.isa},       {"threads", report.threads},
       {"solver", report.solver}, {"noise_bound", report.noise_bound ? Json(*report.noise_bound) : Json(nullptr)}};
+  if (report.filter != Filter::none) head["filter"] = to_string(report.filter);
   std::string text = dump(head);
   text.pop_back();  // the closing brace: runs follow, each on a line of its own
   text += ",\n\"runs\":[";
@@ -152,8 +153,9 @@ std::string to_json(const RegisterReport& report) {
 std::string to_text(const RegisterReport& report) {
   return fmt::format(
              "file          {}, {} correspondences (lengths below are in its unit)\n"
-             "solver        {}, noise bound {}, {} on {} thread{}\n",
+             "solver        {}{}, noise bound {}, {} on {} thread{}\n",
              report.file, report.correspondences, report.solver,
+             report.filter == Filter::none ? "" : fmt::format(" after filter {}", to_string(report.filter)),
              report.noise_bound ? fmt::format("{}", *report.noise_bound) : "estimated", report.isa, report.threads,
              report.threads == 1 ? "" : "s") +
          (report.runs.size() == 1 ? run_text(report) : summary_text(report));

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include <consimd/solvers/registration.hpp>
+#include <consimd/solvers/solver.hpp>
 
 namespace consimd::cli {
 
@@ -21,6 +22,7 @@ struct RegisterReport {
   std::string isa;
   int threads = 1;
   std::string solver;
+  Filter filter = Filter::none;
   std::optional<double> noise_bound = {};  ///< none: estimated in each run
   std::vector<Registration> runs = {};
   std::vector<PoseErrors> errors = {};  ///< one per run, or none without a ground truth

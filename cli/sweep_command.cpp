@@ -10,6 +10,7 @@
 #include <consimd/kernels/isa.hpp>
 
 #include "commands.hpp"
+#include "filter_option.hpp"
 #include "interruption.hpp"
 #include "option_checks.hpp"
 #include "progress.hpp"
@@ -29,6 +30,7 @@ struct Options {
   study::SweepOptions study;
   std::string outliers{study::kPaperOutlierRatios};
   std::string sigma{study::kPaperSigmas};
+  std::string filter = "none";
   int threads = 1;
   std::string out = "consimd-sweep";
   bool fresh = false;
@@ -78,6 +80,7 @@ bool measure_limits(const study::SweepOptions& options, study::StudyFolder& fold
 int run_sweep_command(Options options) {
   options.study.outlier_ratios = values_of("--outliers", options.outliers);
   options.study.sigmas = values_of("--sigma", options.sigma);
+  options.study.filter = filter_by_name(options.filter);
   study::TrialTable table(std::move(options.study));
   const study::RunFacts facts{.isa = to_string(active_isa()), .threads = options.threads};
   study::StudyFolder folder(options.out, table, facts, options.fresh);
@@ -143,6 +146,7 @@ void add_sweep_command(CLI::App& app, Action& run) {
   command->add_option("--solver", study.solvers, "Solvers, separated by commas; 'consimd info' lists them")
       ->delimiter(',')
       ->capture_default_str();
+  add_filter_option(*command, options->filter);
   command->add_option("--seed", study.seed, "Seed of the data; trial k runs its solver with seed + k")
       ->check(whole_number())
       ->capture_default_str();

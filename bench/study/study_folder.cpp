@@ -1,7 +1,6 @@
 #include "study/study_folder.hpp"
 
 #include <algorithm>
-#include <iterator>
 #include <stdexcept>
 #include <string>
 #include <string_view>
@@ -10,6 +9,7 @@
 #include <fmt/format.h>
 
 #include "study/cell_summary.hpp"
+#include "study/csv_file.hpp"
 #include "study/replace_file.hpp"
 
 namespace consimd::study {
@@ -22,32 +22,6 @@ constexpr std::string_view kCells = "cells.csv";
 constexpr std::string_view kLimits = "limits.csv";
 constexpr std::string_view kSummary = "summary.json";
 constexpr std::string_view kRemedy = "give the same options, another --out, or --fresh to start over";
-
-std::string read_text(const fs::path& path) {
-  std::ifstream file(path, std::ios::binary);
-  std::string text{std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
-  if (!file) throw std::runtime_error(fmt::format("{}: cannot read", path.string()));
-  return text;
-}
-
-/// Calls `take` with every line of a table but the first, which must be `columns`. What it throws of bad rows comes out
-/// with the file and the line.
-template <typename Take>
-void for_each_row(const fs::path& path, std::string_view text, std::string_view columns, const Take& take) {
-  for (std::size_t number = 1; !text.empty(); ++number) {
-    const std::string_view line = text.substr(0, text.find('\n'));
-    text.remove_prefix(std::min(text.size(), line.size() + 1));
-    try {
-      if (number > 1) {
-        take(line);
-      } else if (line != columns) {
-        throw std::invalid_argument("not the header of a noise study");
-      }
-    } catch (const std::invalid_argument& error) {
-      throw std::runtime_error(fmt::format("{}:{}: {}; --fresh starts over", path.string(), number, error.what()));
-    }
-  }
-}
 
 }  // namespace
 
@@ -89,12 +63,8 @@ void StudyFolder::resume(TrialTable& table) {
 }
 
 void StudyFolder::read_trials(TrialTable& table) {
-  const fs::path path = folder_ / kTrials;
-  const std::string text = read_text(path);
-  const std::size_t whole = text.rfind('\n') + 1;  // npos + 1 is 0: no whole line
-  for_each_row(path, std::string_view(text).substr(0, whole), kTrialColumns,
-               [&](std::string_view line) { table.put(parse_trial_row(line)); });
-  fs::resize_file(path, whole);
+  for_each_whole_row(folder_ / kTrials, kTrialColumns,
+                     [&](std::string_view line) { table.put(parse_trial_row(line)); });
 }
 
 void StudyFolder::append(const TrialRecord& record) {

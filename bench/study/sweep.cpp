@@ -53,7 +53,8 @@ std::vector<TrialRecord> run_job(const Job& job, const SweepOptions& options) {
   for (const std::string& solver : job.solvers) {
     const std::uint64_t seed = options.seed + job.trial;
     const Registration result =
-        register_by_name(solver, correspondences, {.noise_bound = synth::noise_study_bound(job.sigma), .seed = seed});
+        register_by_name(solver, correspondences,
+                         {.noise_bound = synth::noise_study_bound(job.sigma), .seed = seed, .filter = options.filter});
     const RigidTransform& pose = result.T_target_source;
     const double rmse = synth::rmse_true_inliers(problem, pose);
     const synth::InlierQuality quality = synth::inlier_quality(problem, result.inliers);

@@ -7,6 +7,8 @@
 #include <string_view>
 #include <vector>
 
+#include <consimd/solvers/solver.hpp>
+
 namespace consimd::study {
 
 /// The noise study of the TCF paper, as `parse_value_list` reads it.
@@ -20,7 +22,8 @@ struct SweepOptions {
   std::vector<double> sigmas;          ///< standard deviations of the inliers' noise, metres, > 0
   std::uint32_t trials = 100;          ///< problems per outlier ratio and noise level
   std::vector<std::string> solvers = {"tcf"};
-  std::uint64_t seed = 1;  ///< of the data; trial k runs its solvers with seed + k
+  Filter filter = Filter::none;  ///< before every solver
+  std::uint64_t seed = 1;        ///< of the data; trial k runs its solvers with seed + k
 
   SweepOptions();
 

@@ -140,7 +140,7 @@ Registration register_mac(const Correspondences& correspondences, const MacOptio
     result.status = Status::too_few_correspondences;
     return result;
   }
-  detail::require_matrix_budget(options.matrix_budget_bytes, size);
+  detail::require_whole_matrix(options.matrix_budget_bytes, size);
 
   StageReport clique_report{"maximal_cliques", size};
   StageReport hypothesis_report{"hypotheses", size};
@@ -185,7 +185,7 @@ Registration register_mac(const Correspondences& correspondences, const MacOptio
     const detail::StageClock stage(refinement_report.seconds);
     final = detail::finish(correspondences, test_options, poses.best(), static_cast<std::uint32_t>(size));
   }
-  const auto unexplained = [&](std::uint32_t row) { return !poses.explains(row); };
+  const auto unexplained = [&](std::uint32_t row) { return !poses.best_explains(row); };
   const bool confident = std::ranges::count_if(selected.cut_short, unexplained) <= poses.best().support.count;
   detail::conclude(correspondences, test_options, poses, best_set, final, confident, result);
   refinement_report.output = result.inliers.size();

@@ -32,7 +32,7 @@ inline void require_confidence(double value) {
 }
 
 /// The consistency matrix of all correspondences must fit its budget: there is no result without it.
-inline void require_matrix_budget(std::size_t budget_bytes, std::size_t correspondences) {
+inline void require_whole_matrix(std::size_t budget_bytes, std::size_t correspondences) {
   const std::size_t needed = ConsistencyMatrix::memory_bytes(correspondences);
   if (needed <= budget_bytes) return;
   reject_option("matrix_budget_bytes", budget_bytes,

@@ -13,6 +13,7 @@
 #include <consimd/solvers/teaser.hpp>
 #include <consimd/solvers/turboreg.hpp>
 
+#include "filtered_registration.hpp"
 #include "stage_clock.hpp"
 
 namespace consimd {
@@ -62,7 +63,29 @@ Registration run(std::string_view solver, const Correspondences& correspondences
   return register_tcf(correspondences, options);
 }
 
+constexpr Filter kFilters[] = {Filter::none, Filter::tcf};
+
+Registration run(std::string_view solver, const Correspondences& correspondences, double noise_bound,
+                 std::uint32_t bounds_tried, const SolverOptions& options) {
+  const auto solve = [&](const Correspondences& rows) {
+    return run(solver, rows, noise_bound, bounds_tried, options.seed);
+  };
+  if (options.filter == Filter::none) return solve(correspondences);
+  return detail::register_filtered(correspondences, noise_bound, bounds_tried, options.seed, solve);
+}
+
 }  // namespace
+
+std::string_view to_string(Filter filter) noexcept { return filter == Filter::tcf ? "tcf" : "none"; }
+
+Filter filter_by_name(std::string_view name) {
+  std::string known;
+  for (const Filter filter : kFilters) {
+    if (to_string(filter) == name) return filter;
+    known.append(known.empty() ? "" : ", ").append(to_string(filter));
+  }
+  throw std::invalid_argument("filter is '" + std::string(name) + "', expected one of: " + known);
+}
 
 std::span<const SolverInfo> solvers() noexcept { return kInfos; }
 
@@ -73,14 +96,14 @@ Registration register_by_name(std::string_view solver, const Correspondences& co
     for (const SolverInfo& info : kInfos) known.append(known.empty() ? "" : ", ").append(info.name);
     throw std::invalid_argument("solver is '" + std::string(solver) + "', expected one of: " + known);
   }
-  if (options.noise_bound) return run(solver, correspondences, *options.noise_bound, 1, options.seed);
+  if (options.noise_bound) return run(solver, correspondences, *options.noise_bound, 1, options);
   StageReport estimation{"noise_bound", correspondences.size(), 0, 0, 0.0};
   NoiseBoundEstimate estimate;
   {
     const detail::StageClock clock(estimation.seconds);
     estimate = estimate_noise_bound(correspondences, options.seed);
   }
-  Registration result = run(solver, correspondences, estimate.noise_bound, estimate.bounds_tried, options.seed);
+  Registration result = run(solver, correspondences, estimate.noise_bound, estimate.bounds_tried, options);
   estimation.output = result.inliers.size();
   estimation.iterations = estimate.bounds_tried;
   result.seconds += estimation.seconds;

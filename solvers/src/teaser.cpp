@@ -110,7 +110,7 @@ Estimate estimate(const Correspondences& correspondences, std::span<const std::u
 void look_for_rival(const Correspondences& correspondences, const TeaserOptions& options, detail::BestPoses& poses) {
   std::vector<std::uint32_t> rest;
   for (std::uint32_t k = 0; k < correspondences.size(); ++k) {
-    if (!poses.explains(k)) rest.push_back(k);
+    if (!poses.best_explains(k)) rest.push_back(k);
   }
   const auto supporters = static_cast<std::uint32_t>(std::ceil(detail::kRivalShare * poses.best().support.count));
   if (rest.size() < supporters) return;
@@ -136,7 +136,7 @@ Registration register_teaser(const Correspondences& correspondences, const Tease
     result.status = Status::too_few_correspondences;
     return result;
   }
-  detail::require_matrix_budget(options.matrix_budget_bytes, size);
+  detail::require_whole_matrix(options.matrix_budget_bytes, size);
 
   StageReport selection_report{"maximum_clique", size};
   Selected selected;

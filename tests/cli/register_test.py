@@ -27,6 +27,18 @@ class Register(CommandTest):
     def json(self, *arguments, code=0, **environment):
         return json.loads(self.run_command("register", *arguments, "--json", "-", code=code, **environment))
 
+    def test_filter(self):
+        file = self.problem()
+        result = self.json(file, "--noise-bound", 0.3, "--solver", "ransac", "--filter", "tcf")
+        self.assertEqual((result["solver"], result["filter"]), ("ransac", "tcf"))
+        stages = result["runs"][0]["stages"]
+        self.assertEqual([stages[k]["name"] for k in (0, 1, -1)], ["filter_one_point", "filter_two_point", "all_rows"])
+        self.assertEqual(result["runs"][0]["status"], "success")
+        text = self.run_command("register", file, "--noise-bound", 0.3, "--filter", "tcf")
+        self.assertIn("tcf after filter tcf", text)
+        self.assertNotIn("filter", self.json(file, "--noise-bound", 0.3, "--filter", "none"))
+        self.assert_error("register", file, "--noise-bound", 1, "--filter", "magic", says="expected one of: none, tcf")
+
     def test_json(self):
         file = self.problem()
         result = self.json(

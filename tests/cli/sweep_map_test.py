@@ -94,7 +94,7 @@ class SweepMap(CommandTest):
     def test_foreign_limits(self):
         self.run_command(*SMALL)
         self.write("s/limits.csv", "my,own,table\n")
-        self.assert_error(*SMALL, "--map", says="s/limits.csv:1: not the header of a noise study; --fresh starts over")
+        self.assert_error(*SMALL, "--map", says="s/limits.csv:1: not the header of this table; --fresh starts over")
         self.assertEqual((self.folder / "s/limits.csv").read_text(), "my,own,table\n")
 
     @unittest.skipIf(PLOTTER is None, "no Python with matplotlib")

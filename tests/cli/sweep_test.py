@@ -72,6 +72,13 @@ class Sweep(CommandTest):
             self.run_command(*SMALL[:-1], isa, CONSIMD_ISA=isa)
             self.assertEqual(self.timeless(f"{isa}/trials.csv"), expected)
 
+    def test_filter(self):
+        self.run_command(*SMALL, "--filter", "tcf")
+        self.assertTrue(all(row["success"] == "1" for row in self.rows("s/trials.csv")))
+        self.assertEqual(json.loads((self.folder / "s/summary.json").read_text())["options"]["filter"], "tcf")
+        self.assert_error(*SMALL, says="s holds another study: it has filter tcf, not none")
+        self.assert_error(*SMALL, "--filter", "magic", says="expected one of: none, tcf")
+
     def test_trial_can_be_repeated_by_hand(self):
         self.run_command(*SMALL)
         row = self.rows("s/trials.csv")[10]

@@ -5,7 +5,7 @@ import unittest
 
 from command import CommandTest
 
-COMMANDS = ["register", "sweep", "generate", "info"]
+COMMANDS = ["register", "compare", "sweep", "generate", "info"]
 
 
 class Usage(CommandTest):

@@ -18,15 +18,32 @@ struct SolverInfo {
 /// Every solver of this build, the default first.
 [[nodiscard]] std::span<const SolverInfo> solvers() noexcept;
 
+/// What selects the correspondences that a solver is given.
+enum class Filter : std::uint8_t {
+  none,  ///< all of them
+  tcf,   ///< the two filters of TCF, see tcf_filter.hpp
+};
+
+/// "none", "tcf".
+[[nodiscard]] std::string_view to_string(Filter filter) noexcept;
+
+/// Inverse of `to_string`. Throws std::invalid_argument on an unknown name, listing the known ones.
+[[nodiscard]] Filter filter_by_name(std::string_view name);
+
 /// Options that every solver has; the rest are its own defaults.
 struct SolverOptions {
   /// Largest residual of an inlier, caller's unit; finite and > 0. Estimated from the correspondences when not given
   /// (see noise_bound.hpp); Registration::noise_bound tells what was used.
   std::optional<double> noise_bound = std::nullopt;
   std::uint64_t seed = 1;
+  Filter filter = Filter::none;
 };
 
-/// Runs the named solver. Throws std::invalid_argument on an unknown name (listing the known ones) or a bad option.
+/// Runs the named solver, after the filter if there is one. A pose found among the rows that a filter keeps is brought
+/// into place, tested and given its inliers on all rows: it counts as if it had been searched for among all of them, so
+/// that the choice which the filter made cannot make it look significant. The stages of the filter, those of the solver
+/// on what it kept, and a last one, "all_rows", are reported. Throws std::invalid_argument on an unknown name (listing
+/// the known ones) or a bad option.
 [[nodiscard]] Registration register_by_name(std::string_view solver, const Correspondences& correspondences,
                                             const SolverOptions& options);
 

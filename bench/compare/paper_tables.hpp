@@ -1,0 +1,45 @@
+// The tables of the TCF paper's evaluation, from the runs of a comparison.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "compare/comparison.hpp"
+#include "compare/text_table.hpp"
+
+namespace consimd::compare {
+
+struct TableInfo {
+  std::string_view name;
+  std::string_view description;
+};
+
+/// "solvers", "boost", "stages", "poses" and "iterations".
+[[nodiscard]] std::span<const TableInfo> paper_tables() noexcept;
+
+/// What is to be run and told.
+struct TableOptions {
+  std::vector<std::string> tables;        ///< names of paper_tables()
+  std::vector<std::string> solvers;       ///< of "solvers" and "boost"
+  bool filtered = false;                  ///< "solvers" after TCF's filter
+  std::string preset = "case";            ///< of success limits, told in captions
+  std::vector<std::uint32_t> iterations;  ///< of "iterations"
+};
+
+/// Throws std::invalid_argument on an unknown, missing or repeated name.
+void validate(const TableOptions& options);
+
+/// The methods that the tables but "iterations" need on a group of cases; those that "iterations" needs.
+[[nodiscard]] std::vector<std::string> methods_of(const TableOptions& options);
+[[nodiscard]] std::vector<std::string> iteration_methods(const TableOptions& options);
+
+/// The cases of "iterations": `problems` problems of the noise study with 2 % inliers and noise of 1 m.
+[[nodiscard]] CaseGroup iteration_group(const TableOptions& options, std::uint32_t problems, std::uint64_t seed);
+
+/// The tables, in the order of paper_tables(). Runs that are missing are left out.
+[[nodiscard]] std::vector<TextTable> make_tables(const TableOptions& options, const Comparison& comparison);
+
+}  // namespace consimd::compare
