@@ -54,8 +54,8 @@ class Neighbourhood {
   [[nodiscard]] std::size_t size() const noexcept { return members_.size(); }
   [[nodiscard]] std::uint32_t vertex(std::size_t i) const noexcept { return members_[i].vertex; }
 
-  /// Takes the vertex of highest degree among the candidates, again and again. Leaves the neighbourhood empty.
-  void take_greedily(const GraphView& graph, std::vector<std::uint32_t>& clique) {
+  /// Takes the vertex of highest degree among the candidates, again and again, unless too few are left for `wanted`.
+  void take_greedily(const GraphView& graph, std::uint32_t wanted, std::vector<std::uint32_t>& clique) {
     while (!members_.empty()) {
       const std::size_t counted = members_.size();
       std::size_t left = counted;
@@ -67,6 +67,7 @@ class Neighbourhood {
         intersect(set_, graph.row(taken), set_);
         clear_bit(set_, taken);
         left = popcount(set_);
+        if (clique.size() + left < wanted) return;
       }
       list();
       count(graph);
@@ -149,7 +150,7 @@ class MaximumCliqueSearch {
           continue;
         }
         cliques_[i].push_back(starts[i]);
-        neighbourhood.take_greedily(graph, cliques_[i]);
+        neighbourhood.take_greedily(graph, reduced_.wanted(), cliques_[i]);
       }
     });
     for (const std::vector<std::uint32_t>& clique : cliques_) reduced_.offer(clique);
