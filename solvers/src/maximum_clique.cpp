@@ -26,7 +26,7 @@ constexpr double kRecount = 0.75;
 class Neighbourhood {
  public:
   /// All of it. Returns whether it may hold `wanted` pairwise adjacent vertices; if so `members` are those that may be
-  /// among them, of highest degree first.
+  /// among them.
   bool assign(const GraphView& graph, std::uint32_t vertex, std::size_t candidates, std::uint32_t wanted) {
     set_.assign(graph.words(), 0);
     const std::span<const std::uint64_t> row = graph.row(vertex);
@@ -47,30 +47,35 @@ class Neighbourhood {
       if (dropped == 0) break;
       std::erase_if(members_, [&](const Member& member) { return member.degree + 1 < wanted; });
     }
-    sort();
-    return true;
+    return takes_colours(graph, wanted);
   }
 
   [[nodiscard]] std::size_t size() const noexcept { return members_.size(); }
   [[nodiscard]] std::uint32_t vertex(std::size_t i) const noexcept { return members_[i].vertex; }
 
-  /// Takes the vertex of highest degree among the candidates, again and again. Leaves the neighbourhood empty.
-  void take_greedily(const GraphView& graph, std::vector<std::uint32_t>& clique) {
+  /// Highest degree first.
+  void sort() { std::ranges::sort(members_, std::ranges::greater{}, &Member::key); }
+
+  /// Takes the vertex of highest degree among the candidates, again and again, unless too few are left for `wanted`.
+  void take_greedily(const GraphView& graph, std::uint32_t wanted, std::vector<std::uint32_t>& clique) {
     while (!members_.empty()) {
       const std::size_t counted = members_.size();
       std::size_t left = counted;
-      for (std::size_t i = 0; i < counted && static_cast<double>(left) >= kRecount * static_cast<double>(counted);
-           ++i) {
-        const std::uint32_t taken = members_[i].vertex;
+      // Few are taken before the degrees are counted again: a heap, not a sort.
+      std::ranges::make_heap(members_, {}, &Member::key);
+      while (!members_.empty() && static_cast<double>(left) >= kRecount * static_cast<double>(counted)) {
+        const std::uint32_t taken = members_.front().vertex;
+        std::ranges::pop_heap(members_, {}, &Member::key);
+        members_.pop_back();
         if (!test_bit(set_, taken)) continue;
         clique.push_back(taken);
         intersect(set_, graph.row(taken), set_);
         clear_bit(set_, taken);
         left = popcount(set_);
+        if (clique.size() + left < wanted) return;
       }
       list();
       count(graph);
-      sort();
     }
   }
 
@@ -78,7 +83,32 @@ class Neighbourhood {
   struct Member {
     std::uint32_t vertex;
     std::uint32_t degree;  // within the set
+
+    /// Orders by degree, then the lower vertex first.
+    [[nodiscard]] std::uint64_t key() const noexcept { return std::uint64_t{degree} << 32 | ~vertex; }
   };
+
+  /// Whether a greedy colouring takes `wanted` colours: fewer, and no clique is that large.
+  bool takes_colours(const GraphView& graph, std::uint32_t wanted) {
+    uncoloured_ = set_;
+    colour_class_.resize(set_.size());
+    std::size_t begin = 0;  // words before it are empty
+    for (std::uint32_t colours = 0; colours < wanted; ++colours) {
+      while (begin < uncoloured_.size() && uncoloured_[begin] == 0) ++begin;
+      if (begin == uncoloured_.size()) return false;
+      std::ranges::copy(uncoloured_, colour_class_.begin());
+      for (std::size_t w = begin; w < colour_class_.size(); ++w) {
+        while (colour_class_[w] != 0) {
+          const auto bit = static_cast<std::size_t>(std::countr_zero(colour_class_[w]));
+          const std::uint64_t* row = graph.row(w * kBlock + bit).data();
+          uncoloured_[w] &= ~(std::uint64_t{1} << bit);
+          colour_class_[w] &= colour_class_[w] - 1;
+          for (std::size_t k = w; k < colour_class_.size(); ++k) colour_class_[k] &= ~row[k];
+        }
+      }
+    }
+    return true;
+  }
 
   void list() {
     members_.clear();
@@ -90,14 +120,10 @@ class Neighbourhood {
       member.degree = degree - (graph.adjacent(member.vertex, member.vertex) ? 1U : 0U);
     }
   }
-  void sort() {
-    std::ranges::sort(members_, [](const Member& a, const Member& b) {
-      return a.degree != b.degree ? a.degree > b.degree : a.vertex < b.vertex;
-    });
-  }
-
   std::vector<std::uint64_t> set_;
   std::vector<Member> members_;
+  std::vector<std::uint64_t> uncoloured_;
+  std::vector<std::uint64_t> colour_class_;
 };
 
 struct Scratch {
@@ -149,7 +175,7 @@ class MaximumCliqueSearch {
           continue;
         }
         cliques_[i].push_back(starts[i]);
-        neighbourhood.take_greedily(graph, cliques_[i]);
+        neighbourhood.take_greedily(graph, reduced_.wanted(), cliques_[i]);
       }
     });
     for (const std::vector<std::uint32_t>& clique : cliques_) reduced_.offer(clique);
@@ -167,6 +193,7 @@ class MaximumCliqueSearch {
     for (std::size_t first = 0; first < graph.size(); first += kSearchRound) {
       const std::uint32_t wanted = reduced_.wanted();
       if (reduced_.core()[first] + 1 < wanted) break;  // and so are all that follow
+      if (nodes_left_ == 0) return false;
       const std::size_t count = std::min(kSearchRound, graph.size() - first);
       const std::uint64_t share = nodes_left_ / count;
       outcomes_.assign(count, {});
@@ -197,6 +224,7 @@ class MaximumCliqueSearch {
     if (reduced_.core()[vertex] + 1 < wanted) return outcome;
     Scratch& scratch = scratch_.local();
     if (!scratch.neighbourhood.assign(graph, vertex, vertex, wanted - 1)) return outcome;
+    scratch.neighbourhood.sort();
     scratch.vertices.clear();
     for (std::size_t i = 0; i < scratch.neighbourhood.size(); ++i) {
       scratch.vertices.push_back(scratch.neighbourhood.vertex(i));

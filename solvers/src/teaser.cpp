@@ -106,7 +106,8 @@ Estimate estimate(const Correspondences& correspondences, std::span<const std::u
   return result;
 }
 
-/// Offers the pose of the maximum clique of what the best pose does not explain, if that may be a rival.
+/// Offers the pose of a large clique of what the best pose does not explain, if that may be a rival. The greedy search
+/// finds the cliques that stand out, as a motion's do; a proof would cost more than the pose itself.
 void look_for_rival(const Correspondences& correspondences, const TeaserOptions& options, detail::BestPoses& poses) {
   std::vector<std::uint32_t> rest;
   for (std::uint32_t k = 0; k < correspondences.size(); ++k) {
@@ -117,8 +118,7 @@ void look_for_rival(const Correspondences& correspondences, const TeaserOptions&
   const Correspondences others = correspondences.subset(rest);
   ConsistencyMatrix matrix;
   matrix.compute(others.view(), 2.0 * options.noise_bound);
-  const MaximumClique clique =
-      maximum_clique(matrix, {.max_nodes = options.max_nodes, .larger_than = std::max(supporters, 3U) - 1});
+  const MaximumClique clique = maximum_clique(matrix, {.max_nodes = 0, .larger_than = std::max(supporters, 3U) - 1});
   if (clique.members.empty()) return;
   std::vector<std::uint32_t> rows;
   for (const std::uint32_t i : clique.members) rows.push_back(rest[i]);

@@ -119,6 +119,7 @@ TEST_P(GncRotationPairs, IsTheSameForAnyNumberOfThreads) {
 
 TEST(GncRotation, IsNotDeterminedByPointsOnALine) {
   std::vector<Eigen::Vector3d> points;
+  points.reserve(20);
   for (int k = 0; k < 20; ++k) points.emplace_back(k, 2 * k, -k);
   const Problem line = perfect_problem(points, motion(1.0, {1.0, 0.0, 0.0}, {1.0, 2.0, 3.0}));
   EXPECT_FALSE(gnc_rotation(line.correspondences(), all_rows(line), {.difference_bound = 0.1}).determined);

@@ -37,9 +37,10 @@ struct TeaserOptions {
 };
 
 /// Registers with TEASER at known scale 1: pairs that agree in length, their maximum clique, graduated non-convexity
-/// for the rotation, adaptive voting for the translation. The clique search is parallel in the caller's oneTBB arena;
-/// the result has the same bits for any number of threads and every ISA. Throws std::invalid_argument on a bad option,
-/// or if the graph exceeds its budget.
+/// for the rotation, adaptive voting for the translation. A large clique of what the pose does not explain tells
+/// whether another motion has as much support. The clique search is parallel in the caller's oneTBB arena; the result
+/// has the same bits for any number of threads and every ISA. Throws std::invalid_argument on a bad option, or if the
+/// graph exceeds its budget.
 [[nodiscard]] Registration register_teaser(const Correspondences& correspondences, const TeaserOptions& options);
 
 }  // namespace consimd
