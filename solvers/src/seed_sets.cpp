@@ -201,6 +201,8 @@ std::span<const std::uint32_t> SeedSets::rank(std::uint32_t support_to_beat, con
   const std::uint32_t count = drawn_ - first_;
   // Supporters of a pose within the noise bound are pairwise consistent: a set holds the clique or is too small for it.
   const double share = window_share();
+  const auto largest = static_cast<double>(std::ranges::max(counts_));
+  largest_raw_set_ = std::max(largest_raw_set_, static_cast<std::size_t>(largest / share));
   const double least_count = (share < 1.0 ? kSupportSlack * share : 1.0) * support_to_beat;
   // A set no larger than what stood out so far cannot stand out.
   const float small = outliers_are_usual(support_to_beat) ? unusual_guess_ * static_cast<float>(share) : 0.0F;
