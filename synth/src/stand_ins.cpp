@@ -90,8 +90,9 @@ class ScanPair {
     for (const Surface& surface : surfaces_) areas_.push_back(area += surface.area());
     place_scanners();
     const double size = scattered(motions_, static_cast<double>(stand_in.correspondences), kSizeScatter);
-    rows_wanted_ = static_cast<std::size_t>(size + 0.5);
-    inliers_wanted_ = static_cast<std::size_t>(size * scattered(motions_, stand_in.inlier_ratio, kRatioScatter) + 0.5);
+    rows_wanted_ = static_cast<std::size_t>(std::lround(size));
+    const double inliers = size * scattered(motions_, stand_in.inlier_ratio, kRatioScatter);
+    inliers_wanted_ = static_cast<std::size_t>(std::lround(inliers));
   }
 
   Problem generate() {
@@ -192,6 +193,7 @@ class ScanPair {
     add_private(target_scanner_, target);
     const auto descriptors = [](const std::vector<Keypoint>& keypoints) {
       std::vector<Descriptor> result;
+      result.reserve(keypoints.size());
       for (const Keypoint& keypoint : keypoints) result.push_back(keypoint.descriptor);
       return result;
     };

@@ -10,7 +10,7 @@
 namespace consimd::compare {
 
 /// Two pairs of two stand-ins, two seeds each.
-inline Comparison small_comparison(std::vector<std::string> methods = {"tcf", "1R+2R"}) {
+inline Comparison small_comparison(const std::vector<std::string>& methods = {"tcf", "1R+2R"}) {
   std::vector<CaseGroup> groups = stand_in_groups({"facade", "office"}, 2, 5, "case");
   for (CaseGroup& group : groups) group.methods = methods;
   return {std::move(groups), 2};
