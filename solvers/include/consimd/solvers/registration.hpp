@@ -57,8 +57,8 @@ struct Registration {
   /// log10 of the number of equally supported poses expected by chance (see significance.hpp); 0 when no pose was
   /// found. Success needs it below the solver's limit.
   double log10_false_poses = 0.0;
-  /// Of the poses met on the way; with four fifths of the support or more, one is met as surely as the best. Two rigid
-  /// motions, or an object that is its own image when turned, show here.
+  /// Of the poses met on the way; with four fifths of the support or more, one is met nearly as surely as the best. Two
+  /// rigid motions, or an object that is its own image when turned, show here.
   std::optional<RunnerUp> runner_up;
   std::vector<StageReport> stages;
   double seconds = 0.0;  ///< wall time of the whole registration
