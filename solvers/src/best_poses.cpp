@@ -6,6 +6,7 @@
 #include <consimd/kernels/rigid_moments.hpp>
 
 #include "points.hpp"
+#include "row_blocks.hpp"
 
 namespace consimd::detail {
 namespace {
@@ -51,7 +52,7 @@ bool BestPoses::offer(const PoseCandidate& candidate) {
   const PoseCandidate former = best_;
   best_ = candidate;
   best_supporters_ =
-      robust_moments(correspondences_.view(), best_.pose, {.scale = noise_bound_, .cutoff = noise_bound_});
+      row_blocks::robust_moments(correspondences_.view(), best_.pose, {.scale = noise_bound_, .cutoff = noise_bound_});
   if (same_motion_as_best(runner_up_.pose)) runner_up_ = {};
   if (former.support.score > runner_up_.support.score && !same_motion_as_best(former.pose)) runner_up_ = former;
   return true;

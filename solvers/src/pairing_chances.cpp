@@ -8,6 +8,7 @@
 
 #include "counter_random.hpp"
 #include "points.hpp"
+#include "row_blocks.hpp"
 #include "sampling.hpp"
 
 namespace consimd::detail {
@@ -47,7 +48,7 @@ double pose_chance(const CorrespondenceView& view, const WorkingPose& pose, doub
   std::vector<std::uint32_t> offsets(used);
   std::vector<std::uint32_t> counts(used);
   for (std::uint32_t s = 0; s < used; ++s) offsets[s] = 1 + s * blocks / used;
-  mismatched_counts(view, pose, bound, offsets, counts);
+  row_blocks::mismatched_counts(view, pose, bound, offsets, counts);
   for (std::uint32_t s = 0; s < used; ++s) {
     hits += counts[s];
     trials += static_cast<double>(mismatched_pairs(view, offsets[s]));

@@ -11,6 +11,7 @@
 #include <consimd/kernels/rigid_moments.hpp>
 
 #include "pruning.hpp"
+#include "row_blocks.hpp"
 #include "set_poses.hpp"
 
 namespace consimd::detail {
@@ -37,7 +38,7 @@ double rotation_deviation(const RigidMoments& moments, double working_sigma) {
 }  // namespace
 
 double rotation_deviation(const CorrespondenceView& view, const WorkingPose& pose, double noise_bound, double sigma) {
-  return rotation_deviation(robust_moments(view, pose, {.scale = noise_bound, .cutoff = noise_bound}),
+  return rotation_deviation(row_blocks::robust_moments(view, pose, {.scale = noise_bound, .cutoff = noise_bound}),
                             std::max(sigma * view.scale(), kResolution));
 }
 

@@ -11,6 +11,7 @@
 #include "fit_covariance.hpp"
 #include "option_checks.hpp"
 #include "residual_mixture.hpp"
+#include "row_blocks.hpp"
 #include "set_poses.hpp"
 
 namespace consimd {
@@ -74,7 +75,7 @@ RefinedPose refine_within(const Correspondences& correspondences, const WorkingP
       }
       next = {WeightFunction::student_uniform, mixture.scale, kCutoff * tau, mixture.odds(), mixture.exponent};
     }
-    const RigidMoments next_moments = robust_moments(view, pose, next);
+    const RigidMoments next_moments = detail::row_blocks::robust_moments(view, pose, next);
     const RigidFit fit = rigid_fit(next_moments);
     ++refined.rounds;
     if (!fit.determined()) break;

@@ -9,6 +9,7 @@
 #include <consimd/kernels/three_point_fit.hpp>
 
 #include "pruning.hpp"
+#include "row_blocks.hpp"
 #include "sampling.hpp"
 
 namespace consimd::detail {
@@ -27,7 +28,7 @@ constexpr double kNeighbourhood = 3.0;  // in noise bounds
 constexpr double kSmallPart = 0.25;
 
 RigidFit truncated_fit(const CorrespondenceView& view, const WorkingPose& pose, double bound) {
-  return rigid_fit(robust_moments(view, pose, {WeightFunction::truncated, bound, bound, 0.0}));
+  return rigid_fit(row_blocks::robust_moments(view, pose, {WeightFunction::truncated, bound, bound, 0.0}));
 }
 
 }  // namespace
@@ -69,7 +70,7 @@ PoseCandidate pose_of_set(const Correspondences& correspondences, const std::vec
     poses[1] = to_working_pose(fit.pose);
   }
   std::array<PoseSupport, 2> support{};
-  alignment_scores(correspondences.view(), poses, noise_bound, support);
+  row_blocks::alignment_scores(correspondences, poses, noise_bound, support);
   return support[1].score > support[0].score ? PoseCandidate{poses[1], support[1]}
                                              : PoseCandidate{poses[0], support[0]};
 }
@@ -104,7 +105,7 @@ PoseCandidate locally_optimise(const Correspondences& correspondences, const Pos
     const RigidFit fit = truncated_fit(refitted, current.pose, bound * noise_bound);
     if (!fit.determined()) break;
     current.pose = to_working_pose(fit.pose);
-    alignment_scores(view, std::span(&current.pose, 1), noise_bound, std::span(&current.support, 1));
+    row_blocks::alignment_scores(view, std::span(&current.pose, 1), noise_bound, std::span(&current.support, 1));
     if (current.support.score > best.support.score) best = current;
   }
   return best;
@@ -112,10 +113,8 @@ PoseCandidate locally_optimise(const Correspondences& correspondences, const Pos
 
 std::vector<std::uint32_t> pose_inliers(const CorrespondenceView& view, const WorkingPose& pose, double noise_bound) {
   std::vector<std::uint64_t> bits(view.words());
-  std::uint32_t count = 0;
-  alignment_bits(view, std::span(&pose, 1), noise_bound, bits, std::span(&count, 1));
   std::vector<std::uint32_t> inliers;
-  inliers.reserve(count);
+  inliers.reserve(row_blocks::alignment_bits(view, pose, noise_bound, bits));
   members_of(bits, inliers);
   return inliers;
 }

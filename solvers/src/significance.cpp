@@ -8,11 +8,10 @@
 #include <span>
 #include <vector>
 
-#include <consimd/kernels/alignment_residuals.hpp>
-
 #include "option_checks.hpp"
 #include "pairing_chances.hpp"
 #include "points.hpp"
+#include "row_blocks.hpp"
 #include "set_poses.hpp"
 
 namespace consimd {
@@ -79,9 +78,8 @@ double log_triples(double n) { return std::log(std::max(n * (n - 1.0) * (n - 2.0
 // Chance of support that the correspondences just outside the bound tell of: their number in the shell from one to two
 // bounds over its volume in balls of one.
 double near_miss_chance(const CorrespondenceView& view, const WorkingPose& pose, double bound, std::size_t supporters) {
-  std::uint32_t within_two = 0;
-  alignment_counts(view, std::span(&pose, 1), 2.0 * bound, std::span(&within_two, 1));
-  const double shell = static_cast<double>(within_two) - static_cast<double>(supporters);
+  const double within_two = detail::row_blocks::alignment_count(view, pose, 2.0 * bound);
+  const double shell = within_two - static_cast<double>(supporters);
   return (shell + 1.0) / (7.0 * static_cast<double>(view.size()));
 }
 

@@ -140,6 +140,26 @@ TEST(Correspondences, TakeAnyUnit) {
   EXPECT_NE(message_of({1.7e308, 0, 0, -1.7e308, 0, 0, -1.7e308, 0, 0}, any_points(3, 1.0, 0.0, 1)), "");
 }
 
+TEST(Correspondences, GiveViewsOfPartOfTheRows) {
+  constexpr std::size_t kSize = 150;
+  const std::vector<double> p = any_points(kSize, 10.0, 0.0, 5);
+  const Correspondences c(PointSpan<double>::interleaved(p.data(), kSize),
+                          PointSpan<double>::interleaved(p.data(), kSize));
+  const CorrespondenceView middle = c.view().rows(64, 64);
+  EXPECT_EQ(middle.size(), 64u);
+  EXPECT_EQ(middle.words(), 1u);
+  EXPECT_EQ(middle.scale(), c.scale());
+  const CorrespondenceView last = c.view().rows(64, 256);
+  EXPECT_EQ(last.size(), kSize - 64);
+  EXPECT_EQ(last.words(), 2u);
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    EXPECT_EQ(middle.source(axis), c.view().source(axis) + 64);
+    EXPECT_EQ(last.target(axis), c.view().target(axis) + 64);
+  }
+  // A part of a part keeps the distance between the arrays.
+  EXPECT_EQ(last.rows(64, 64).target(2), c.view().target(2) + 128);
+}
+
 TEST(Correspondences, GiveSubsetsInTheSameFrame) {
   const std::vector<double> p = any_points(100, 10.0, 3.0, 7);
   const std::vector<double> q = any_points(100, 10.0, 3.0, 8);

@@ -73,6 +73,7 @@ INSTANTIATE_TEST_SUITE_P(
     ::testing::Values(
         DeterminismCase{"few_outliers", "tcf", {.correspondences = 1000, .outlier_ratio = 0.3}},
         DeterminismCase{"many_outliers", "tcf", {.correspondences = 3000, .outlier_ratio = 0.98}},
+        DeterminismCase{"many_rows", "tcf", {.correspondences = 40'000, .outlier_ratio = 0.95}},
         DeterminismCase{"no_pose", "tcf", {.correspondences = 500, .outlier_ratio = 1.0}},
         DeterminismCase{
             "two_poses", "tcf", {.correspondences = 2000, .outlier_ratio = 0.9, .decoy_share = 1.0}, 3.0, true},

@@ -1,6 +1,7 @@
 // Structure-of-arrays storage of putative correspondences between two point clouds.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cstddef>
 #include <cstdint>
@@ -47,17 +48,27 @@ class CorrespondenceView {
   /// Working-frame length of one unit of the caller's, a power of two.
   [[nodiscard]] double scale() const noexcept { return scale_; }
   /// Axis 0, 1 or 2 of the source and target points.
-  [[nodiscard]] const float* source(std::size_t axis) const noexcept { return data_ + axis * padded_; }
-  [[nodiscard]] const float* target(std::size_t axis) const noexcept { return data_ + (3 + axis) * padded_; }
+  [[nodiscard]] const float* source(std::size_t axis) const noexcept { return data_ + axis * stride_; }
+  [[nodiscard]] const float* target(std::size_t axis) const noexcept { return data_ + (3 + axis) * stride_; }
+
+  /// Rows `first` to `first + count - 1`, as far as there are; both are multiples of kBlock, `first` below `size()`.
+  [[nodiscard]] CorrespondenceView rows(std::size_t first, std::size_t count) const noexcept {
+    CorrespondenceView part = *this;
+    part.data_ += first;
+    part.size_ = std::min(count, size_ - first);
+    part.padded_ = std::min(count, padded_ - first);
+    return part;
+  }
 
  private:
   friend class Correspondences;
   CorrespondenceView(const float* data, std::size_t size, std::size_t padded, double scale) noexcept
-      : data_(data), size_(size), padded_(padded), scale_(scale) {}
+      : data_(data), size_(size), padded_(padded), stride_(padded), scale_(scale) {}
 
   const float* data_;
   std::size_t size_;
   std::size_t padded_;
+  std::size_t stride_;  // between two of the six arrays
   double scale_;
 };
 
