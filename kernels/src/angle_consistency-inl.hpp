@@ -21,7 +21,12 @@ struct AngleTest {
         squared(bound * bound),
         lifted(bound * bound * kLift * kLift) {}
 
-  Mask<Arch> operator()(const Vec3<Arch>& p, const Vec3<Arch>& q) const {
+  /// What is known once both roots are on their way.
+  struct Begun {
+    Batch<Arch> S, X, Y, U, V, least, root_e, root_y;
+  };
+
+  Begun begin(const Vec3<Arch>& p, const Vec3<Arch>& q) const {
     const Vec3<Arch> x1 = p1 - p;
     const Vec3<Arch> x2 = p2 - p;
     const Vec3<Arch> y1 = q1 - q;
@@ -31,18 +36,20 @@ struct AngleTest {
     const Batch<Arch> b1 = dot(y1, y1);
     const Batch<Arch> b2 = dot(y2, y2);
     const Batch<Arch> S = a1 + a2;
-    const Batch<Arch> X = a1 * a2;
     const Batch<Arch> Y = b1 * b2;
-    const Batch<Arch> U = S - p12;
-    const Batch<Arch> V = b1 + b2 - q12;
     const Batch<Arch> e1 = a1 - squared;
     const Batch<Arch> e2 = a2 - squared;
-    const Batch<Arch> c = square_root<Arch>(e1 * e2) - squared;
+    return {S, a1 * a2, Y, S - p12, b1 + b2 - q12, smaller(e1, e2), square_root<Arch>(e1 * e2), square_root<Arch>(Y)};
+  }
+
+  Mask<Arch> finish(const Begun& begun) const {
+    const auto& [S, X, Y, U, V, least, root_e, root_y] = begun;
+    const Batch<Arch> c = root_e - squared;
     const Batch<Arch> c2 = c + c;
-    const Batch<Arch> F = kLift * (V * X - U * c * square_root<Arch>(Y));
+    const Batch<Arch> F = kLift * (V * X - U * c * root_y);
     const Mask<Arch> between = F * F < (4.0f * X - U * U) * (S + c2) * (lifted * Y);
     const Mask<Arch> past_pole = xsimd::abs(F) * c2 < F * U;
-    const Mask<Arch> within_bound = smaller(e1, e2) <= Batch<Arch>(0.0f);
+    const Mask<Arch> within_bound = least <= Batch<Arch>(0.0f);
     return between | past_pole | within_bound;
   }
 

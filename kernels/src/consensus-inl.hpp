@@ -1,6 +1,7 @@
 // Runs a consensus test, one per hypothesis, over all correspondences. A test is a functor built from a hypothesis;
 // given the source and target points of as many correspondences as a register holds, it returns the mask of those that
-// pass. Points of NaN must fail. Its kFitTogether tells whether two of them at once are faster.
+// pass. Points of NaN must fail. Its kFitTogether tells whether two of them at once are faster. A test that waits for
+// roots comes in two halves, begin and finish: the next correspondences are begun before the last ones are finished.
 #pragma once
 
 #include "kernel_table.hpp"
@@ -13,10 +14,21 @@ template <typename Arch, std::size_t kTests, typename Test>
 inline void test_words(const RawView& view, const Test (&tests)[kTests], std::size_t begin,
                        std::uint64_t (&words)[kTests]) {
   for (std::size_t h = 0; h < kTests; ++h) words[h] = 0;
-  for (std::size_t k = 0; k < 64; k += kWidth<Arch>) {
-    const Vec3<Arch> source = load<Arch>(view.source, begin + k);
-    const Vec3<Arch> target = load<Arch>(view.target, begin + k);
-    for (std::size_t h = 0; h < kTests; ++h) words[h] |= bitmask(tests[h](source, target)) << k;
+  if constexpr (requires { &Test::finish; }) {
+    static_assert(kTests == 1);
+    auto begun = tests[0].begin(load<Arch>(view.source, begin), load<Arch>(view.target, begin));
+    for (std::size_t k = kWidth<Arch>; k < 64; k += kWidth<Arch>) {
+      const auto next = tests[0].begin(load<Arch>(view.source, begin + k), load<Arch>(view.target, begin + k));
+      words[0] |= bitmask(tests[0].finish(begun)) << (k - kWidth<Arch>);
+      begun = next;
+    }
+    words[0] |= bitmask(tests[0].finish(begun)) << (64 - kWidth<Arch>);
+  } else {
+    for (std::size_t k = 0; k < 64; k += kWidth<Arch>) {
+      const Vec3<Arch> source = load<Arch>(view.source, begin + k);
+      const Vec3<Arch> target = load<Arch>(view.target, begin + k);
+      for (std::size_t h = 0; h < kTests; ++h) words[h] |= bitmask(tests[h](source, target)) << k;
+    }
   }
 }
 
