@@ -1,6 +1,9 @@
 #include "chance_search.hpp"
 
+#include <oneapi/tbb/parallel_for.h>
+
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <numbers>
 #include <numeric>
@@ -27,6 +30,28 @@ constexpr double kLeastScore = 2.0;
 // Share of clustered correspondences from which random pairings are no match for them.
 constexpr double kClustered = 0.25;
 
+// Permutations of `size` rows, each a shuffle of the one before.
+std::array<std::vector<std::uint32_t>, kPairings> random_permutations(std::size_t size, std::uint64_t seed) {
+  std::array<std::vector<std::uint32_t>, kPairings> permutations;
+  std::vector<std::uint32_t> rows(size);
+  std::iota(rows.begin(), rows.end(), 0U);
+  for (std::uint32_t p = 0; p < kPairings; ++p) {
+    CounterRandom random(seed, RandomStage::pairing, p);
+    for (auto left = static_cast<std::uint32_t>(size); left > 1; --left) {
+      std::swap(rows[left - 1], rows[random.below(left)]);
+    }
+    permutations[p] = rows;
+  }
+  return permutations;
+}
+
+// Best score that a search finds in a pairing without a pose.
+double chance_score(const Correspondences& pairing, const TcfOptions& options) {
+  ConsensusSearch search(pairing, options);
+  search.run(false);
+  return std::max<double>(kLeastScore, search.best().support.score);
+}
+
 }  // namespace
 
 double log10_false_poses(const Correspondences& correspondences, const TcfOptions& options, const PoseCandidate& best,
@@ -40,24 +65,22 @@ double log10_false_poses(const Correspondences& correspondences, const TcfOption
 
 double log10_chance_of_score(const Correspondences& correspondences, const TcfOptions& options, double score,
                              std::uint32_t seeds) {
+  const std::uint32_t max_seeds = std::min(kSeedsPerPairing, seeds);
+  const auto targets = random_permutations(correspondences.size(), options.seed);
   std::vector<std::uint32_t> sources(correspondences.size());
   std::iota(sources.begin(), sources.end(), 0U);
-  std::vector<std::uint32_t> targets = sources;
-  Correspondences pairing;
-  TcfOptions chance_options = options;
-  chance_options.max_seeds = std::min(kSeedsPerPairing, seeds);
+  std::array<double, kPairings> scores{};
+  tbb::parallel_for(0U, kPairings, [&](std::uint32_t p) {
+    TcfOptions chance_options = options;
+    chance_options.max_seeds = max_seeds;
+    chance_options.seed = options.seed + p;
+    Correspondences pairing;
+    pairing.assign_pairs(correspondences, sources, targets[p]);
+    scores[p] = chance_score(pairing, chance_options);
+  });
   double sum = 0.0;
   double squares = 0.0;
-  for (std::uint32_t p = 0; p < kPairings; ++p) {
-    CounterRandom random(options.seed, RandomStage::pairing, p);
-    for (auto left = static_cast<std::uint32_t>(targets.size()); left > 1; --left) {
-      std::swap(targets[left - 1], targets[random.below(left)]);
-    }
-    pairing.assign_pairs(correspondences, sources, targets);
-    chance_options.seed = options.seed + p;
-    ConsensusSearch search(pairing, chance_options);
-    search.run(false);
-    const double best = std::max<double>(kLeastScore, search.best().support.score);
+  for (const double best : scores) {
     sum += best;
     squares += best * best;
   }
@@ -66,7 +89,7 @@ double log10_chance_of_score(const Correspondences& correspondences, const TcfOp
   // Greatest values scatter by pi / sqrt 6 times the scale of their tail, and grow by it with the logarithm of the
   // number of seeds.
   const double tail = std::max(kLeastTail, deviation * std::sqrt(6.0) / std::numbers::pi);
-  const double more_seeds = std::log(static_cast<double>(seeds) / chance_options.max_seeds);
+  const double more_seeds = std::log(static_cast<double>(seeds) / max_seeds);
   return std::min(0.0, (mean - score) / tail + more_seeds) / std::numbers::ln10;
 }
 
