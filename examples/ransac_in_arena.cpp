@@ -174,14 +174,14 @@ struct Loop {
 template <typename Scorer>
 example::Method register_scans(const std::string& name, const Loop& loop, tbb::task_arena& arena) {
   std::vector<RigidTransform> poses(loop.input.runs);
-  std::vector<double> seconds;
-  for (int repetition = 0; repetition < 3; ++repetition) {
-    seconds.push_back(example::seconds_of([&] {
+  std::vector<double> seconds(3);
+  for (double& repetition : seconds) {
+    repetition = example::seconds_of([&] {
       arena.execute([&] {
         tbb::parallel_for(std::size_t{0}, poses.size(),
                           [&](std::size_t scan) { poses[scan] = loop.ransac(Scorer(loop.input), scan); });
       });
-    }));
+    });
   }
   const double seconds_per_scan = example::median(seconds) / static_cast<double>(poses.size());
   example::Method method{name, {}};
