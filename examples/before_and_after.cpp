@@ -52,11 +52,11 @@ Input read_files(const std::filesystem::path& path, double noise_bound) {
   Input input{.noise_bound = noise_bound, .synthetic = false};
   consimd::synth::Problem& problem = input.problem;
 
+  const std::vector<double> rows = read_rows(path, 6);
   const std::vector<double> pose = read_rows(path.parent_path() / "pose.txt", 4);
   if (pose.size() != 16) throw std::invalid_argument("pose.txt beside " + path.string() + ": expected a 4 x 4 matrix");
   problem.T_target_source.matrix() = Eigen::Map<const Eigen::Matrix<double, 4, 4, Eigen::RowMajor>>(pose.data());
 
-  const std::vector<double> rows = read_rows(path, 6);
   for (std::size_t k = 0; k < rows.size(); k += 6) {
     const Eigen::Vector3d p(&rows[k]), q(&rows[k + 3]);
     problem.source.insert(problem.source.end(), p.begin(), p.end());
