@@ -103,6 +103,7 @@ Shard only_one(std::vector<Found> found) {
     return found.front().shard;
   }
   std::vector<std::string> parts;
+  parts.reserve(found.size());
   for (const auto& [launcher, shard] : found) {
     parts.push_back(fmt::format("{} says {} ({})", launcher->name, to_string(shard), launcher->rank));
   }

@@ -192,6 +192,7 @@ MergedStudy merge_shards(const std::vector<fs::path>& folders, bool need_limits)
   TrialTable table = merge_trials(shards, options);
   std::vector<LimitRecord> limits = merge_limits(shards, options, need_limits);
   std::vector<std::string> summaries;
+  summaries.reserve(shards.size());
   for (const ShardFolder& shard : shards) summaries.push_back(shard.summary);
   std::string summary = merged_summary_json(table, summaries);
   return {std::move(table), std::move(limits), std::move(summary)};
