@@ -19,6 +19,7 @@ using Action = std::function<int()>;
 void add_register_command(CLI::App& app, Action& run);
 void add_compare_command(CLI::App& app, Action& run);
 void add_sweep_command(CLI::App& app, Action& run);
+void add_merge_command(CLI::App& app, Action& run);
 void add_generate_command(CLI::App& app, Action& run);
 void add_info_command(CLI::App& app, Action& run);
 

@@ -37,6 +37,7 @@ int main(int argc, char** argv) {
   Action run;
   add_register_command(app, run);
   add_sweep_command(app, run);
+  add_merge_command(app, run);
   add_compare_command(app, run);
   add_generate_command(app, run);
   add_info_command(app, run);

@@ -1,9 +1,9 @@
 #include <algorithm>
+#include <cstdlib>
 #include <filesystem>
 #include <memory>
 #include <optional>
 #include <stdexcept>
-#include <system_error>
 
 #include <fmt/format.h>
 
@@ -14,13 +14,12 @@
 #include "interruption.hpp"
 #include "option_checks.hpp"
 #include "progress.hpp"
-#include "study/cell_summary.hpp"
-#include "study/figures.hpp"
 #include "study/limits.hpp"
+#include "study/shard.hpp"
 #include "study/study_folder.hpp"
 #include "study/sweep.hpp"
 #include "study/value_list.hpp"
-#include "sweep_table.hpp"
+#include "study_report.hpp"
 #include "threads.hpp"
 
 namespace consimd::cli {
@@ -33,6 +32,7 @@ struct Options {
   std::string filter = "none";
   int threads = 1;
   std::string out = "consimd-sweep";
+  std::optional<std::string> shard;
   bool fresh = false;
   bool map = false;
 };
@@ -45,30 +45,26 @@ std::vector<double> values_of(std::string_view option, const std::string& text) 
   }
 }
 
-std::filesystem::path program() {
-  std::error_code unknown;
-  return std::filesystem::read_symlink("/proc/self/exe", unknown);
-}
-
-void draw(const std::string& folder, bool map) {
+std::optional<study::Shard> shard_of(const std::optional<std::string>& text) {
+  if (!text) return std::nullopt;
   try {
-    study::draw_figures(folder, program());
-    fmt::print("figures: {0}/recall.svg, {0}/errors.svg{1} (and .png)\n", folder,
-               map ? fmt::format(", {}/map.svg", folder) : "");
-  } catch (const std::runtime_error& error) {
-    fmt::print(stderr, "consimd: figures not drawn: {}\n", error.what());
+    if (text->find('/') != std::string::npos) return study::parse_shard(*text);
+    return study::shard_from_environment(*text, [](const char* name) { return std::getenv(name); });
+  } catch (const std::invalid_argument& error) {
+    throw std::invalid_argument(fmt::format("--shard: {}", error.what()));
   }
 }
 
-/// Measures the noise levels that the folder lacks; each is written as it ends. Whether none is left.
-bool measure_limits(const study::SweepOptions& options, study::StudyFolder& folder) {
+/// Measures those of the noise levels that the folder lacks; each is written as it ends. Whether none is left.
+bool measure_limits(const study::SweepOptions& options, const std::vector<double>& levels, std::string_view steps,
+                    study::StudyFolder& folder) {
   const std::size_t done = folder.limits().size();
-  if (done == options.sigmas.size()) return true;
+  if (done == levels.size()) return true;
   const InterruptionGuard guard;
-  Progress progress(options.sigmas.size() * study::kLimitProblems, done * study::kLimitProblems, "limit problems");
+  Progress progress(levels.size() * study::kLimitProblems, done * study::kLimitProblems, steps);
   const study::LimitControl control{.on_problem = [&] { progress.step(); },
                                     .stop_requested = [] { return InterruptionGuard::requested(); }};
-  for (const double sigma : options.sigmas) {
+  for (const double sigma : levels) {
     if (std::ranges::count(folder.limits(), sigma, &study::LimitRecord::sigma) != 0) continue;
     const std::optional<study::LimitRecord> limit = study::measure_limit(options, sigma, control);
     if (!limit) return false;
@@ -78,20 +74,24 @@ bool measure_limits(const study::SweepOptions& options, study::StudyFolder& fold
 }
 
 int run_sweep_command(Options options) {
+  const std::optional<study::Shard> shard = shard_of(options.shard);
+  const std::string part = shard ? fmt::format(" of shard {}", to_string(*shard)) : "";
+  const std::string out = shard ? (std::filesystem::path(options.out) / folder_name(*shard)).string() : options.out;
   options.study.outlier_ratios = values_of("--outliers", options.outliers);
   options.study.sigmas = values_of("--sigma", options.sigma);
   options.study.filter = filter_by_name(options.filter);
-  study::TrialTable table(std::move(options.study));
+  study::TrialTable table(std::move(options.study), shard);
   const study::RunFacts facts{.isa = to_string(active_isa()), .threads = options.threads};
-  study::StudyFolder folder(options.out, table, facts, options.fresh);
+  study::StudyFolder folder(out, table, facts, options.fresh);
 
-  fmt::print("{} trials in {} cells, noise bound 3 sigma, {} on {} thread{}, {} done before, writing to {}\n",
-             table.size(), table.options().cells(), facts.isa, facts.threads, facts.threads == 1 ? "" : "s",
-             table.filled(), options.out);
+  fmt::print("{} trials{} in {} cells, noise bound 3 sigma, {} on {} thread{}, {} done before, writing to {}\n",
+             table.size(), part, table.options().cells(), facts.isa, facts.threads, facts.threads == 1 ? "" : "s",
+             table.filled(), out);
   std::fflush(stdout);
   if (!table.complete()) {
     const InterruptionGuard guard;
-    Progress progress(table.size(), table.filled(), "trials");
+    const std::string steps = "trials" + part;
+    Progress progress(table.size(), table.filled(), steps);
     const study::SweepControl control{.on_trial =
                                           [&](const study::TrialRecord& record) {
                                             folder.append(record);
@@ -101,26 +101,27 @@ int run_sweep_command(Options options) {
     with_threads(options.threads, [&] { study::run_sweep(table, control); });
   }
   if (!table.complete()) {
-    fmt::print(stderr, "consimd: stopped after {} of {} trials; the same command resumes\n", table.filled(),
-               table.size());
+    fmt::print(stderr, "consimd: stopped after {} of {} trials{}; the same command resumes\n", table.filled(),
+               table.size(), part);
     return kInterrupted;
   }
   folder.finish(table, facts);
-  fmt::print("\n{}\n", sweep_table(study::summarise_ratios(table)));
-  fmt::print("Errors are means over all trials, failures included; the oracle is least squares on the true inliers.\n");
-  std::fflush(stdout);
+  if (!shard) print_trials(table);
   if (options.map) {
-    if (!with_threads(options.threads, [&] { return measure_limits(table.options(), folder); })) {
-      fmt::print(stderr, "consimd: stopped after the limits of {} of {} noise levels; the same command resumes\n",
-                 folder.limits().size(), table.options().sigmas.size());
+    const std::vector<double> levels = limit_levels(table.options(), shard);
+    const std::string steps = "limit problems" + part;
+    if (!with_threads(options.threads, [&] { return measure_limits(table.options(), levels, steps, folder); })) {
+      fmt::print(stderr, "consimd: stopped after the limits of {} of {} noise levels{}; the same command resumes\n",
+                 folder.limits().size(), levels.size(), part);
       return kInterrupted;
     }
-    fmt::print("\n{}\n", limit_table(folder.limits(), table.options().points));
+    if (!shard) print_limits(folder.limits(), table.options());
   }
-  fmt::print("data: {0}/trials.csv, {0}/cells.csv, {0}/summary.json{1}\n", options.out,
-             options.map ? fmt::format(", {}/limits.csv", options.out) : "");
-  std::fflush(stdout);
-  draw(options.out, options.map);
+  if (shard) {
+    fmt::print("shard {} is complete; when all are: consimd merge {}\n", to_string(*shard), options.out);
+  } else {
+    print_files_and_draw(out, options.map);
+  }
   return kSuccess;
 }
 
@@ -152,6 +153,10 @@ void add_sweep_command(CLI::App& app, Action& run) {
       ->capture_default_str();
   add_threads_option(*command, options->threads);
   command->add_option("--out", options->out, "Folder for the results, made if missing")->capture_default_str();
+  command->add_option(
+      "--shard", options->shard,
+      "Run the K-th of N parts only, in a folder of its own within --out: K/N, or where the part stands "
+      "in the environment: auto, slurm-array, openmpi, pmi or slurm");
   command->add_flag("--fresh", options->fresh, "Start over: drop the study that the folder holds");
   command->add_flag("--map", options->map,
                     "Also measure where the limit lies (limits.csv) and draw maps over outlier ratio and noise");
@@ -165,10 +170,16 @@ void add_sweep_command(CLI::App& app, Action& run) {
       "that draws (it needs matplotlib), CONSIMD_PLOT_SCRIPT another script.\n"
       "--map adds limits.csv and map.svg (and .png). Per noise level it runs the solver on 10 problems without a true\n"
       "pose: the limit is the outlier ratio at which the true pose has no more support than the best pose of these.\n"
+      "--shard divides a study among machines or processes: each writes to OUT/shard-K-of-N, 'consimd merge OUT' "
+      "makes\n"
+      "the study of them. 'auto' takes the index of a Slurm array task (slurm-array), the rank that an MPI launcher\n"
+      "gave (openmpi, pmi), or that of a Slurm step (slurm); without --shard the environment is not looked at.\n"
       "Exit code: 0 when complete, 2 on bad usage, 130 when stopped.\n"
       "Examples:\n"
       "  consimd sweep                                                the paper's study: 25000 trials\n"
       "  consimd sweep --outliers 0.9,0.99 --sigma 0.5,1,2 --trials 20 --out quick\n"
+      "  consimd sweep --shard 2/4                                    a quarter of it\n"
+      "  mpirun -n 4 consimd sweep --shard auto --threads 1           four processes, then: consimd merge\n"
       "  consimd sweep --map --outliers 0.5,0.9,0.95,0.98,0.99,0.995 --sigma 0.1,0.5,1,2,5 --trials 20 --out map");
   command->callback([&run, options] { run = [options] { return run_sweep_command(*options); }; });
 }

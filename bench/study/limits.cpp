@@ -85,6 +85,14 @@ double limit_outlier_ratio(std::size_t points, double chance_support, double fix
   return std::min(1.0, of_inliers / per_ratio);
 }
 
+std::vector<double> limit_levels(const SweepOptions& options, const std::optional<Shard>& shard) {
+  std::vector<double> levels;
+  for (std::size_t i = 0; i < options.sigmas.size(); ++i) {
+    if (!shard || shard->owns(i)) levels.push_back(options.sigmas[i]);
+  }
+  return levels;
+}
+
 std::optional<LimitRecord> measure_limit(const SweepOptions& options, double sigma, const LimitControl& control) {
   std::array<ChanceProblem, kLimitProblems> problems;
   std::atomic<bool> stopped = false;

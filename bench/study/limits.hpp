@@ -9,6 +9,7 @@
 #include <string_view>
 #include <vector>
 
+#include "study/shard.hpp"
 #include "study/sweep_options.hpp"
 
 namespace consimd::study {
@@ -43,6 +44,9 @@ inline constexpr std::string_view kLimitColumns =
 /// where P(chi_3 < 3) = 0.9707 is the share of true inliers within 3 sigma and f that of random correspondences within
 /// the bound of a given pose. A chance support below three counts as three: every pose has those that made it.
 [[nodiscard]] double limit_outlier_ratio(std::size_t points, double chance_support, double fixed_support);
+
+/// The noise levels that a shard measures, or all, in the order of the options.
+[[nodiscard]] std::vector<double> limit_levels(const SweepOptions& options, const std::optional<Shard>& shard);
 
 struct LimitControl {
   /// Called as problems end, one call at a time, from any thread of the arena.

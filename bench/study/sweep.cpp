@@ -28,6 +28,7 @@ std::vector<Job> missing_jobs(const TrialTable& table) {
   for (std::uint32_t trial = 0; trial < options.trials; ++trial) {
     for (std::size_t ratio = 0; ratio < options.outlier_ratios.size(); ++ratio) {
       for (std::size_t sigma = 0; sigma < options.sigmas.size(); ++sigma) {
+        if (!table.wants(ratio, sigma, trial)) continue;
         Job job{options.outlier_ratios[ratio], options.sigmas[sigma], trial, {}};
         for (std::size_t solver = 0; solver < options.solvers.size(); ++solver) {
           if (!table.has(solver, ratio, sigma, trial)) job.solvers.push_back(options.solvers[solver]);

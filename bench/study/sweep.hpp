@@ -14,7 +14,7 @@ struct SweepControl {
   std::function<bool()> stop_requested = {};
 };
 
-/// Runs the trials that `table` lacks, in parallel over problems in the caller's arena, and fills the table.
+/// Runs the trials that `table` wants and lacks, in parallel over problems in the caller's arena, and fills the table.
 ///
 /// The data of trial k depend on (seed, outlier ratio, sigma, k) alone, so every solver sees the same bytes; solvers
 /// run with seed + k and the bound 3 sigma. Results do not depend on the number of threads or on what `table` held

@@ -175,7 +175,7 @@ TEST(StudyFolder, RefusesForeignFiles) {
   EXPECT_THROW(open(), std::runtime_error);
   write_text(folder / "study/summary.json", "no json");
   EXPECT_THROW(open(), std::runtime_error);
-  write_text(folder / "study/summary.json", summary_json(small_study(), kFacts));
+  write_text(folder / "study/summary.json", summary_json(TrialTable(small_study()), kFacts));
   EXPECT_THROW(open(), std::runtime_error);
   EXPECT_EQ(text_of(folder / "study/trials.csv"), "my,own,table\n");
 }

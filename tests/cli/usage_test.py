@@ -5,7 +5,7 @@ import unittest
 
 from command import CommandTest
 
-COMMANDS = ["register", "compare", "sweep", "generate", "info"]
+COMMANDS = ["register", "compare", "sweep", "merge", "generate", "info"]
 
 
 class Usage(CommandTest):

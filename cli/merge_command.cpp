@@ -1,0 +1,83 @@
+#include <algorithm>
+#include <filesystem>
+#include <memory>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+#include <fmt/format.h>
+
+#include "commands.hpp"
+#include "study/shard_merge.hpp"
+#include "study/study_folder.hpp"
+#include "study_report.hpp"
+
+namespace consimd::cli {
+namespace fs = std::filesystem;
+namespace {
+
+struct Options {
+  std::vector<std::string> folders = {"consimd-sweep"};
+  std::string out;
+  bool map = false;
+  bool fresh = false;
+};
+
+/// Where the unsharded study would be: the folder that holds all shards.
+fs::path common_parent(const std::vector<fs::path>& shards) {
+  const auto parent = [](const fs::path& shard) { return fs::canonical(shard).parent_path(); };
+  for (const fs::path& shard : shards) {
+    if (parent(shard) != parent(shards.front())) {
+      throw std::runtime_error(fmt::format("--out: expected a folder, since {} and {} are not in the same one",
+                                           shards.front().string(), shard.string()));
+    }
+  }
+  fs::path named = (shards.front() / "").parent_path().parent_path();  // the first step drops a slash at the end
+  if (named.empty()) named = ".";
+  // As the user wrote it, unless the path ends in dots or in a link.
+  return fs::canonical(named) == parent(shards.front()) ? named : parent(shards.front());
+}
+
+int run_merge(const Options& options) {
+  const std::vector<fs::path> shards =
+      study::shard_folders(std::vector<fs::path>(options.folders.begin(), options.folders.end()));
+  const study::MergedStudy merged = study::merge_shards(shards, options.map);
+  const std::string out = (options.out.empty() ? common_parent(shards) : fs::path(options.out)).string();
+  for (const fs::path& shard : shards) {
+    if (fs::weakly_canonical(out) == fs::canonical(shard)) {
+      throw std::runtime_error(fmt::format("--out: {} is one of the shards", out));
+    }
+  }
+  study::write_study(out, merged.table, merged.limits, merged.summary, options.fresh);
+
+  fmt::print("{} trials in {} cells, merged from {} shard{}, writing to {}\n", merged.table.size(),
+             merged.table.options().cells(), shards.size(), shards.size() == 1 ? "" : "s", out);
+  print_trials(merged.table);
+  if (!merged.limits.empty()) print_limits(merged.limits, merged.table.options());
+  print_files_and_draw(out, !merged.limits.empty());
+  return kSuccess;
+}
+
+}  // namespace
+
+void add_merge_command(CLI::App& app, Action& run) {
+  CLI::App* command = app.add_subcommand("merge", "Put a noise study together that ran in shards (sweep --shard)");
+  auto options = std::make_shared<Options>();
+  command->add_option("DIR", options->folders, "Folders of shards, or folders that hold them")->capture_default_str();
+  command->add_option("--out", options->out, "Folder for the study (default: the one that holds the shards)");
+  command->add_flag("--map", options->map,
+                    "Insist on the limits of 'sweep --map'; where all are there they are merged");
+  command->add_flag("--fresh", options->fresh, "Drop another study that --out holds");
+  command->footer(
+      "Writes the files that the unsharded study would have written, byte for byte: trials.csv, cells.csv,\n"
+      "summary.json, limits.csv of a study with --map, and the figures. Times are those that the shards measured;\n"
+      "summary.json lists the machines if there were several. The shards must be of one study, one division and this\n"
+      "version of consimd, all there and complete; they are left as they are.\n"
+      "Exit code: 0 when merged, 2 on bad usage or input.\n"
+      "Examples:\n"
+      "  consimd merge                                   the shards in consimd-sweep, where sweep puts them\n"
+      "  consimd merge from-a/shard-1-of-2 from-b/shard-2-of-2 --out study");
+  command->callback([&run, options] { run = [options] { return run_merge(*options); }; });
+}
+
+}  // namespace consimd::cli

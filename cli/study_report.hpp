@@ -1,0 +1,22 @@
+// How a study that is complete is shown.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "study/limits.hpp"
+#include "study/trial_table.hpp"
+
+namespace consimd::cli {
+
+/// Prints the table of a whole study that is complete.
+void print_trials(const study::TrialTable& table);
+
+/// Prints where the limits lie.
+void print_limits(const std::vector<study::LimitRecord>& limits, const study::SweepOptions& options);
+
+/// Names the files of the study in `folder` and draws its figures. A figure that cannot be drawn is told, no error.
+/// `map`: with limits.
+void print_files_and_draw(const std::string& folder, bool map);
+
+}  // namespace consimd::cli
