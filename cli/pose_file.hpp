@@ -3,7 +3,7 @@
 
 #include <filesystem>
 
-#include <consimd/kernels/rigid_fit.hpp>
+#include <consimd/poses/rigid_fit.hpp>
 
 namespace consimd::cli {
 

@@ -1,20 +1,41 @@
-# The installed tree: libraries, public headers, the command, and a config package so that find_package(consimd) works.
+# The installed tree: libraries, public headers, the command, and packages for find_package(consimd) and pkg-config.
 include(CMakePackageConfigHelpers)
 
-set(libraries kernels)
-if(NOT CONSIMD_KERNELS_ONLY)
-  list(APPEND libraries solvers synth)
+set(package_dir ${CMAKE_INSTALL_LIBDIR}/cmake/consimd)
+set(pkgconfig_dir ${CMAKE_INSTALL_LIBDIR}/pkgconfig)
+file(RELATIVE_PATH pkgconfig_to_prefix /prefix/${pkgconfig_dir} /prefix)
+if(IS_ABSOLUTE ${CMAKE_INSTALL_LIBDIR})
+  file(RELATIVE_PATH pkgconfig_to_prefix ${pkgconfig_dir} ${CMAKE_INSTALL_PREFIX})
+endif()
+cmake_path(APPEND pkgconfig_libdir "\${prefix}" ${CMAKE_INSTALL_LIBDIR})
+cmake_path(APPEND pkgconfig_includedir "\${prefix}" ${CMAKE_INSTALL_INCLUDEDIR})
+
+# consimd_install(LIBRARY DESCRIPTION [REQUIREMENT...]): the requirements are other packages' names for pkg-config.
+function(consimd_install library description)
+  install(TARGETS consimd_${library} EXPORT consimd-${library})
+  install(EXPORT consimd-${library} NAMESPACE consimd:: FILE consimd-${library}-targets.cmake DESTINATION ${package_dir})
+  install(DIRECTORY ${PROJECT_SOURCE_DIR}/${library}/include/ TYPE INCLUDE FILES_MATCHING PATTERN "*.hpp")
+  list(JOIN ARGN ", " requirements)
+  configure_file(${PROJECT_SOURCE_DIR}/cmake/consimd.pc.in ${PROJECT_BINARY_DIR}/consimd-${library}.pc @ONLY)
+  install(FILES ${PROJECT_BINARY_DIR}/consimd-${library}.pc DESTINATION ${pkgconfig_dir})
+endfunction()
+
+# A static consimd::solvers leaves linking oneTBB to its user.
+set(solvers_requirements consimd-poses)
+set(CONSIMD_USER_LINKS_TBB OFF)
+if(NOT BUILD_SHARED_LIBS)
+  set(CONSIMD_USER_LINKS_TBB ON)
+  list(APPEND solvers_requirements tbb)
 endif()
 
-foreach(library IN LISTS libraries)
-  set_target_properties(consimd_${library} PROPERTIES
-    EXPORT_NAME ${library}
-    VERSION ${PROJECT_VERSION}
-    SOVERSION ${PROJECT_VERSION_MAJOR}.${PROJECT_VERSION_MINOR}
-    INSTALL_RPATH "$ORIGIN")
-  install(TARGETS consimd_${library} EXPORT consimd)
-  install(DIRECTORY ${PROJECT_SOURCE_DIR}/${library}/include/ TYPE INCLUDE FILES_MATCHING PATTERN "*.hpp")
-endforeach()
+set(CONSIMD_COMPONENTS kernels)
+consimd_install(kernels "SIMD consensus kernels for 3D registration")
+if(NOT CONSIMD_KERNELS_ONLY)
+  list(APPEND CONSIMD_COMPONENTS poses solvers synth)
+  consimd_install(poses "Rigid fits and poses in Eigen's types for consimd" consimd-kernels eigen3)
+  consimd_install(solvers "Solvers for 3D registration from feature correspondences" ${solvers_requirements})
+  consimd_install(synth "Synthetic registration problems with ground truth" consimd-poses)
+endif()
 
 if(TARGET consimd_cli)
   file(RELATIVE_PATH bin_to_lib ${CMAKE_INSTALL_FULL_BINDIR} ${CMAKE_INSTALL_FULL_LIBDIR})
@@ -24,19 +45,10 @@ if(TARGET consimd_cli)
     FILES_MATCHING PATTERN "*.py")
 endif()
 
-# A static consimd::solvers leaves linking oneTBB to its user.
-get_target_property(library_type consimd_kernels TYPE)
-if(library_type STREQUAL STATIC_LIBRARY AND NOT CONSIMD_KERNELS_ONLY)
-  set(CONSIMD_USER_LINKS_TBB ON)
-else()
-  set(CONSIMD_USER_LINKS_TBB OFF)
-endif()
-
-set(package_dir ${CMAKE_INSTALL_LIBDIR}/cmake/consimd)
 configure_package_config_file(
   ${PROJECT_SOURCE_DIR}/cmake/consimd-config.cmake.in ${PROJECT_BINARY_DIR}/consimd-config.cmake
   INSTALL_DESTINATION ${package_dir})
 write_basic_package_version_file(${PROJECT_BINARY_DIR}/consimd-config-version.cmake COMPATIBILITY SameMinorVersion)
 install(FILES ${PROJECT_BINARY_DIR}/consimd-config.cmake ${PROJECT_BINARY_DIR}/consimd-config-version.cmake
   DESTINATION ${package_dir})
-install(EXPORT consimd NAMESPACE consimd:: FILE consimd-targets.cmake DESTINATION ${package_dir})
+install(FILES ${PROJECT_SOURCE_DIR}/LICENSE DESTINATION ${CMAKE_INSTALL_DOCDIR})

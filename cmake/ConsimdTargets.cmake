@@ -7,3 +7,51 @@ function(consimd_configure target)
     -Wall -Wextra -Wshadow -Wconversion -Wsign-conversion
     $<$<BOOL:${CONSIMD_WERROR}>:-Werror>)
 endfunction()
+
+# Whether static libraries can be kept apart from the program's copies of inline functions; see isolate_archive.cmake.
+include(CheckLinkerFlag)
+check_linker_flag(CXX "-r;-nostdlib;-Wl,--force-group-allocation" CONSIMD_LINKER_CAN_ISOLATE)
+if(NOT CONSIMD_LINKER_CAN_ISOLATE OR CMAKE_INTERPROCEDURAL_OPTIMIZATION OR CMAKE_CXX_FLAGS MATCHES "-flto")
+  set(CONSIMD_ISOLATED OFF)
+  if(NOT BUILD_SHARED_LIBS)
+    message(WARNING "Without GNU ld, or with link-time optimisation, static libraries share Eigen's inline functions with "
+      "the program: compile both with the same -m flags, or set BUILD_SHARED_LIBS.")
+  endif()
+else()
+  set(CONSIMD_ISOLATED ON)
+endif()
+
+# consimd_configure_library(TARGET FOLDER): an installed library, public headers in FOLDER/include. Its results and its interface
+# do not depend on the flags of the program that uses it, nor on those that its builder adds (-march=native).
+function(consimd_configure_library target folder)
+  consimd_configure(${target})
+  add_library(consimd::${folder} ALIAS ${target})
+  target_include_directories(${target} PUBLIC
+    $<BUILD_INTERFACE:${CMAKE_CURRENT_SOURCE_DIR}/include>
+    $<INSTALL_INTERFACE:${CMAKE_INSTALL_INCLUDEDIR}>)
+  set_target_properties(${target} PROPERTIES
+    EXPORT_NAME ${folder}
+    CXX_VISIBILITY_PRESET hidden
+    DEFINE_SYMBOL ""
+    VERSION ${PROJECT_VERSION}
+    SOVERSION ${PROJECT_VERSION_MAJOR}.${PROJECT_VERSION_MINOR}
+    INSTALL_RPATH "$ORIGIN")
+
+  get_target_property(type ${target} TYPE)
+  if(type STREQUAL SHARED_LIBRARY)
+    set(map ${PROJECT_SOURCE_DIR}/cmake/exported_symbols.map)
+    target_link_options(${target} PRIVATE -Wl,--version-script=${map} -Wl,-Bsymbolic-functions)
+    set_target_properties(${target} PROPERTIES LINK_DEPENDS ${map})
+  elseif(CONSIMD_ISOLATED)
+    add_custom_command(TARGET ${target} POST_BUILD VERBATIM
+      COMMAND ${CMAKE_COMMAND} -DARCHIVE=$<TARGET_FILE:${target}> -DCOMPILER=${CMAKE_CXX_COMPILER} -DNM=${CMAKE_NM}
+        -DOBJCOPY=${CMAKE_OBJCOPY} -DAR=${CMAKE_AR} -P ${PROJECT_SOURCE_DIR}/cmake/isolate_archive.cmake)
+  endif()
+  # What g++ marks as unique in the process cannot be kept inside a library.
+  target_compile_options(${target} PRIVATE $<$<CXX_COMPILER_ID:GNU>:-fno-gnu-unique>)
+  # Eigen's vector code adds in an order, and with FMA rounds in a way, that depends on the instruction set. Where the copies of its
+  # functions could be shared with a program that does vectorise, both must agree on the alignment of its types instead.
+  if(type STREQUAL SHARED_LIBRARY OR CONSIMD_ISOLATED)
+    target_compile_definitions(${target} PRIVATE EIGEN_DONT_VECTORIZE)
+  endif()
+endfunction()

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include <consimd/kernels/correspondences.hpp>
-#include <consimd/kernels/rigid_fit.hpp>
+#include <consimd/poses/rigid_fit.hpp>
 
 namespace consimd::compare {
 

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include <consimd/kernels/correspondences.hpp>
-#include <consimd/kernels/rigid_fit.hpp>
+#include <consimd/poses/rigid_fit.hpp>
 #include <consimd/synth/noise_study.hpp>
 
 #include "eigen_baseline.hpp"

@@ -6,7 +6,7 @@
 
 #include <Eigen/Geometry>
 
-#include <consimd/kernels/rigid_fit.hpp>
+#include <consimd/poses/rigid_fit.hpp>
 #include <consimd/synth/noise_study.hpp>
 
 namespace consimd::bench {

@@ -2,8 +2,8 @@
 
 #include <Eigen/Core>
 
-#include <consimd/kernels/rigid_fit.hpp>
 #include <consimd/kernels/rigid_moments.hpp>
+#include <consimd/poses/rigid_fit.hpp>
 
 #include "points.hpp"
 #include "row_blocks.hpp"

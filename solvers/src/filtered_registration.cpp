@@ -5,7 +5,7 @@
 #include <utility>
 
 #include <consimd/kernels/alignment_residuals.hpp>
-#include <consimd/kernels/rigid_fit.hpp>
+#include <consimd/poses/rigid_fit.hpp>
 #include <consimd/solvers/tcf.hpp>
 #include <consimd/solvers/tcf_filter.hpp>
 

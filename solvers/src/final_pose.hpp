@@ -6,7 +6,7 @@
 #include <vector>
 
 #include <consimd/kernels/correspondences.hpp>
-#include <consimd/kernels/rigid_fit.hpp>
+#include <consimd/poses/rigid_fit.hpp>
 #include <consimd/solvers/pose_covariance.hpp>
 #include <consimd/solvers/registration.hpp>
 #include <consimd/solvers/significance.hpp>

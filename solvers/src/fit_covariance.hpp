@@ -2,7 +2,7 @@
 #pragma once
 
 #include <consimd/kernels/correspondences.hpp>
-#include <consimd/kernels/rigid_fit.hpp>
+#include <consimd/poses/rigid_fit.hpp>
 #include <consimd/solvers/pose_covariance.hpp>
 
 namespace consimd::detail {

@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include <consimd/kernels/rigid_fit.hpp>
+#include <consimd/poses/rigid_fit.hpp>
 
 #include "option_checks.hpp"
 #include "points.hpp"

@@ -10,7 +10,7 @@
 #include <optional>
 
 #include <consimd/kernels/alignment_residuals.hpp>
-#include <consimd/kernels/rigid_fit.hpp>
+#include <consimd/poses/rigid_fit.hpp>
 
 #include "clique_selection.hpp"
 #include "final_pose.hpp"

@@ -7,8 +7,8 @@
 #include <cmath>
 
 #include <consimd/kernels/length_consistency.hpp>
-#include <consimd/kernels/rigid_fit.hpp>
 #include <consimd/kernels/rigid_moments.hpp>
+#include <consimd/poses/rigid_fit.hpp>
 
 #include "pruning.hpp"
 #include "row_blocks.hpp"

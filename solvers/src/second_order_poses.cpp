@@ -8,7 +8,7 @@
 #include <cmath>
 #include <limits>
 
-#include <consimd/kernels/rigid_fit.hpp>
+#include <consimd/poses/rigid_fit.hpp>
 #include <consimd/solvers/sc2_pcr.hpp>
 
 #include "points.hpp"

@@ -4,9 +4,9 @@
 #include <array>
 
 #include <consimd/kernels/alignment_residuals.hpp>
-#include <consimd/kernels/rigid_fit.hpp>
 #include <consimd/kernels/rigid_moments.hpp>
 #include <consimd/kernels/three_point_fit.hpp>
+#include <consimd/poses/rigid_fit.hpp>
 
 #include "pruning.hpp"
 #include "row_blocks.hpp"

@@ -2,7 +2,7 @@
 
 #include <cstring>
 
-#include <consimd/kernels/rigid_fit.hpp>
+#include <consimd/poses/rigid_fit.hpp>
 
 #include "raw_cloud.hpp"
 

@@ -4,6 +4,8 @@
 #include <consimd/kernels/correspondences.hpp>
 #include <consimd/kernels/kernel_data.hpp>
 
+#pragma GCC visibility push(default)
+
 namespace consimd {
 
 /// Correspondence j supports a pose when r_j = | R p_j + t - q_j | < bound, tested as r^2 < bound^2.
@@ -37,3 +39,5 @@ void mismatched_counts(const CorrespondenceView& view, const WorkingPose& pose, 
 [[nodiscard]] std::size_t mismatched_pairs(const CorrespondenceView& view, std::uint32_t shift) noexcept;
 
 }  // namespace consimd
+
+#pragma GCC visibility pop

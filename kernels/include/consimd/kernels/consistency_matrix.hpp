@@ -5,6 +5,8 @@
 
 #include <vector>
 
+#pragma GCC visibility push(default)
+
 namespace consimd {
 
 /// N x N symmetric bit matrix: bit j of row i tells whether i and j are length consistent (see length_consistency.hpp;
@@ -64,3 +66,5 @@ void masked_row_sums(const ConsistencyMatrix& matrix, std::size_t first_row, std
                      std::span<float> sums);
 
 }  // namespace consimd
+
+#pragma GCC visibility pop

@@ -9,6 +9,8 @@
 #include <memory>
 #include <span>
 
+#pragma GCC visibility push(default)
+
 namespace consimd {
 
 /// Lanes that every array of a `Correspondences` is padded to a multiple of; one 64-bit word of consensus bits.
@@ -130,3 +132,5 @@ class Correspondences {
 };
 
 }  // namespace consimd
+
+#pragma GCC visibility pop

@@ -5,6 +5,8 @@
 #include <span>
 #include <string_view>
 
+#pragma GCC visibility push(default)
+
 namespace consimd {
 
 /// Instruction sets a kernel can run on. All of them return the same bits.
@@ -29,3 +31,5 @@ enum class Isa : std::uint8_t { scalar, sse2, avx2, avx512, neon };
 void set_active_isa(Isa isa);
 
 }  // namespace consimd
+
+#pragma GCC visibility pop

@@ -4,6 +4,8 @@
 
 #include <cstdint>
 
+#pragma GCC visibility push(default)
+
 namespace consimd {
 
 /// Two correspondences that a two-point hypothesis is drawn from.
@@ -64,3 +66,5 @@ struct RobustWeight {
 };
 
 }  // namespace consimd
+
+#pragma GCC visibility pop

@@ -3,6 +3,8 @@
 
 #include <consimd/kernels/correspondences.hpp>
 
+#pragma GCC visibility push(default)
+
 namespace consimd {
 
 /// Correspondences j and k are length consistent when
@@ -26,3 +28,5 @@ void length_consistency_bits(const CorrespondenceView& view, std::span<const std
                              std::span<std::uint64_t> bits, std::span<std::uint32_t> counts);
 
 }  // namespace consimd
+
+#pragma GCC visibility pop

@@ -4,6 +4,8 @@
 #include <consimd/kernels/correspondences.hpp>
 #include <consimd/kernels/kernel_data.hpp>
 
+#pragma GCC visibility push(default)
+
 namespace consimd {
 
 /// Moments with the given weights. weights: view.padded_size() floats, 64-byte aligned; those of padded lanes may be
@@ -21,3 +23,5 @@ namespace consimd {
                                           const RobustWeight& weight);
 
 }  // namespace consimd
+
+#pragma GCC visibility pop

@@ -4,6 +4,8 @@
 #include <consimd/kernels/correspondences.hpp>
 #include <consimd/kernels/kernel_data.hpp>
 
+#pragma GCC visibility push(default)
+
 namespace consimd {
 
 /// poses[h] = the least-squares rigid pose of triples[h], with its triangles' orientation kept (never a reflection).
@@ -15,3 +17,5 @@ void three_point_fits(const CorrespondenceView& view, std::span<const IndexTripl
                       std::span<WorkingPose> poses);
 
 }  // namespace consimd
+
+#pragma GCC visibility pop

@@ -5,6 +5,8 @@
 #include <span>
 #include <vector>
 
+#pragma GCC visibility push(default)
+
 namespace consimd {
 
 struct AdaptiveVote {
@@ -21,3 +23,5 @@ struct AdaptiveVote {
 [[nodiscard]] AdaptiveVote adaptive_voting(std::span<const double> values, std::span<const double> bounds);
 
 }  // namespace consimd
+
+#pragma GCC visibility pop

@@ -8,6 +8,8 @@
 
 #include <consimd/kernels/consistency_matrix.hpp>
 
+#pragma GCC visibility push(default)
+
 namespace consimd {
 
 class BitGraph;
@@ -83,3 +85,5 @@ struct CoreNumbers {
 [[nodiscard]] std::vector<std::uint32_t> maximum_core(const GraphView& graph);
 
 }  // namespace consimd
+
+#pragma GCC visibility pop

@@ -4,6 +4,8 @@
 #include <cstdint>
 #include <vector>
 
+#pragma GCC visibility push(default)
+
 namespace consimd {
 
 /// Correspondences that a stage keeps.
@@ -14,3 +16,5 @@ struct ConsensusSet {
 };
 
 }  // namespace consimd
+
+#pragma GCC visibility pop

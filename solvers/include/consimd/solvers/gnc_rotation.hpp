@@ -9,6 +9,8 @@
 
 #include <consimd/kernels/correspondences.hpp>
 
+#pragma GCC visibility push(default)
+
 namespace consimd {
 
 struct GncRotationOptions {
@@ -29,6 +31,7 @@ struct GncRotation {
   std::size_t measurements = 0;
   std::size_t inliers = 0;  ///< measurements within the bound of the rotation
 };
+static_assert(alignof(GncRotation) == alignof(double));
 
 /// Truncated least squares min_R sum min(|b - R a|^2, c^2) over differences a = p_j - p_i, b = q_j - q_i of the
 /// members, which no translation changes. H. Yang, P. Antonante, V. Tzoumas, L. Carlone, "Graduated Non-Convexity for
@@ -41,3 +44,5 @@ struct GncRotation {
                                        const GncRotationOptions& options);
 
 }  // namespace consimd
+
+#pragma GCC visibility pop

@@ -8,6 +8,8 @@
 #include <consimd/kernels/correspondences.hpp>
 #include <consimd/solvers/registration.hpp>
 
+#pragma GCC visibility push(default)
+
 namespace consimd {
 
 struct MacOptions {
@@ -49,3 +51,5 @@ struct MacOptions {
 [[nodiscard]] Registration register_mac(const Correspondences& correspondences, const MacOptions& options);
 
 }  // namespace consimd
+
+#pragma GCC visibility pop

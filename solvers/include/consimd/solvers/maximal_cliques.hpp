@@ -7,6 +7,8 @@
 
 #include <consimd/solvers/bit_graph.hpp>
 
+#pragma GCC visibility push(default)
+
 namespace consimd {
 
 /// A graph of N vertices can have 3^(N/3) maximal cliques, so both budgets are split evenly over the vertices: each
@@ -30,3 +32,5 @@ struct MaximalCliques {
 [[nodiscard]] MaximalCliques maximal_cliques(const GraphView& graph, const MaximalCliqueOptions& options = {});
 
 }  // namespace consimd
+
+#pragma GCC visibility pop

@@ -6,6 +6,8 @@
 
 #include <consimd/solvers/bit_graph.hpp>
 
+#pragma GCC visibility push(default)
+
 namespace consimd {
 
 struct MaximumCliqueOptions {
@@ -32,3 +34,5 @@ struct MaximumClique {
 [[nodiscard]] MaximumClique maximum_clique(const GraphView& graph, const MaximumCliqueOptions& options = {});
 
 }  // namespace consimd
+
+#pragma GCC visibility pop

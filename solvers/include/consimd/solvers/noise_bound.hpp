@@ -5,6 +5,8 @@
 
 #include <consimd/kernels/correspondences.hpp>
 
+#pragma GCC visibility push(default)
+
 namespace consimd {
 
 struct NoiseBoundEstimate {
@@ -22,3 +24,5 @@ struct NoiseBoundEstimate {
 [[nodiscard]] NoiseBoundEstimate estimate_noise_bound(const Correspondences& correspondences, std::uint64_t seed);
 
 }  // namespace consimd
+
+#pragma GCC visibility pop

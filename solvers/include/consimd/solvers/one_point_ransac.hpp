@@ -4,6 +4,8 @@
 #include <consimd/kernels/correspondences.hpp>
 #include <consimd/solvers/consensus_set.hpp>
 
+#pragma GCC visibility push(default)
+
 namespace consimd {
 
 struct OnePointOptions {
@@ -21,3 +23,5 @@ struct OnePointOptions {
 [[nodiscard]] ConsensusSet one_point_ransac(const Correspondences& correspondences, const OnePointOptions& options);
 
 }  // namespace consimd
+
+#pragma GCC visibility pop

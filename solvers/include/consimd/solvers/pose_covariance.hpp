@@ -3,6 +3,8 @@
 
 #include <Eigen/Core>
 
+#pragma GCC visibility push(default)
+
 namespace consimd {
 
 /// Covariance of the error (theta, dt) of a pose, in this order:
@@ -14,6 +16,11 @@ namespace consimd {
 /// far from there. The error of the image of a source point p is dt - [R p]x theta, so its covariance is J C J^T with
 /// J = [-[R p]x, I]. That is first order in theta: it holds where |theta|^2 |R p| / 2 is small beside the position's
 /// deviation, so with map coordinates ask for points near the data, not for dt itself.
+///
+/// Unaligned storage, as that of RigidTransform.
 using PoseCovariance = Eigen::Matrix<double, 6, 6, Eigen::DontAlign>;
+static_assert(sizeof(PoseCovariance) == 36 * sizeof(double) && alignof(PoseCovariance) == alignof(double));
 
 }  // namespace consimd
+
+#pragma GCC visibility pop

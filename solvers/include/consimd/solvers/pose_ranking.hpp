@@ -3,6 +3,8 @@
 
 #include <cstdint>
 
+#pragma GCC visibility push(default)
+
 namespace consimd {
 
 enum class PoseRanking : std::uint8_t {
@@ -11,3 +13,5 @@ enum class PoseRanking : std::uint8_t {
 };
 
 }  // namespace consimd
+
+#pragma GCC visibility pop

@@ -2,8 +2,10 @@
 #pragma once
 
 #include <consimd/kernels/correspondences.hpp>
-#include <consimd/kernels/rigid_fit.hpp>
+#include <consimd/poses/rigid_fit.hpp>
 #include <consimd/solvers/pose_covariance.hpp>
+
+#pragma GCC visibility push(default)
 
 namespace consimd {
 
@@ -33,3 +35,5 @@ struct RefinedPose {
                                       const PoseRefinementOptions& options);
 
 }  // namespace consimd
+
+#pragma GCC visibility pop

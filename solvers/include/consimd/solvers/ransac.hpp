@@ -9,6 +9,8 @@
 #include <consimd/kernels/correspondences.hpp>
 #include <consimd/solvers/registration.hpp>
 
+#pragma GCC visibility push(default)
+
 namespace consimd {
 
 struct RansacOptions {
@@ -39,3 +41,5 @@ struct RansacOptions {
 [[nodiscard]] Registration register_ransac(const Correspondences& correspondences, const RansacOptions& options);
 
 }  // namespace consimd
+
+#pragma GCC visibility pop

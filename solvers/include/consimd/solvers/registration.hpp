@@ -9,8 +9,10 @@
 #include <vector>
 
 #include <consimd/kernels/isa.hpp>
-#include <consimd/kernels/rigid_fit.hpp>
+#include <consimd/poses/rigid_fit.hpp>
 #include <consimd/solvers/pose_covariance.hpp>
+
+#pragma GCC visibility push(default)
 
 namespace consimd {
 
@@ -74,5 +76,8 @@ struct Registration {
     return status == Status::success || status == Status::ambiguous || status == Status::budget_exhausted;
   }
 };
+static_assert(alignof(Registration) == alignof(double));
 
 }  // namespace consimd
+
+#pragma GCC visibility pop

@@ -4,7 +4,9 @@
 #include <span>
 
 #include <consimd/kernels/correspondences.hpp>
-#include <consimd/kernels/rigid_fit.hpp>
+#include <consimd/poses/rigid_fit.hpp>
+
+#pragma GCC visibility push(default)
 
 namespace consimd {
 
@@ -33,3 +35,5 @@ struct IrlsResult {
                                         const SaCauchyIrlsOptions& options);
 
 }  // namespace consimd
+
+#pragma GCC visibility pop

@@ -13,6 +13,8 @@
 #include <consimd/solvers/pose_ranking.hpp>
 #include <consimd/solvers/registration.hpp>
 
+#pragma GCC visibility push(default)
+
 namespace consimd {
 
 struct Sc2PcrOptions {
@@ -80,3 +82,5 @@ struct SeedPoses {
 [[nodiscard]] Registration register_sc2_pcr(const Correspondences& correspondences, const Sc2PcrOptions& options);
 
 }  // namespace consimd
+
+#pragma GCC visibility pop

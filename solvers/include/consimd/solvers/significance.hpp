@@ -6,6 +6,8 @@
 #include <consimd/kernels/correspondences.hpp>
 #include <consimd/kernels/kernel_data.hpp>
 
+#pragma GCC visibility push(default)
+
 namespace consimd {
 
 /// How closely is looked at a pose that is not beyond doubt at first sight. A glance takes a tenth of the time and may
@@ -35,3 +37,5 @@ struct Significance {
                                         double noise_bound, std::uint64_t seed, Scrutiny scrutiny = Scrutiny::close);
 
 }  // namespace consimd
+
+#pragma GCC visibility pop

@@ -8,6 +8,8 @@
 #include <consimd/kernels/correspondences.hpp>
 #include <consimd/solvers/registration.hpp>
 
+#pragma GCC visibility push(default)
+
 namespace consimd {
 
 struct SolverInfo {
@@ -48,3 +50,5 @@ struct SolverOptions {
                                             const SolverOptions& options);
 
 }  // namespace consimd
+
+#pragma GCC visibility pop

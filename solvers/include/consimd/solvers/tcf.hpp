@@ -5,6 +5,8 @@
 #include <consimd/kernels/correspondences.hpp>
 #include <consimd/solvers/registration.hpp>
 
+#pragma GCC visibility push(default)
+
 namespace consimd {
 
 struct TcfOptions {
@@ -40,3 +42,5 @@ struct TcfOptions {
 [[nodiscard]] Registration register_tcf(const Correspondences& correspondences, const TcfOptions& options);
 
 }  // namespace consimd
+
+#pragma GCC visibility pop

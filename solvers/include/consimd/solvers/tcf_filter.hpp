@@ -7,6 +7,8 @@
 #include <consimd/kernels/correspondences.hpp>
 #include <consimd/solvers/registration.hpp>
 
+#pragma GCC visibility push(default)
+
 namespace consimd {
 
 struct TcfFilterOptions {
@@ -28,3 +30,5 @@ struct FilteredRows {
 [[nodiscard]] FilteredRows tcf_filter(const Correspondences& correspondences, const TcfFilterOptions& options);
 
 }  // namespace consimd
+
+#pragma GCC visibility pop

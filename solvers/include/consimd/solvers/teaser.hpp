@@ -9,6 +9,8 @@
 #include <consimd/solvers/gnc_rotation.hpp>
 #include <consimd/solvers/registration.hpp>
 
+#pragma GCC visibility push(default)
+
 namespace consimd {
 
 struct TeaserOptions {
@@ -44,3 +46,5 @@ struct TeaserOptions {
 [[nodiscard]] Registration register_teaser(const Correspondences& correspondences, const TeaserOptions& options);
 
 }  // namespace consimd
+
+#pragma GCC visibility pop

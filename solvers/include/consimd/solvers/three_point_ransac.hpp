@@ -4,8 +4,10 @@
 #include <span>
 
 #include <consimd/kernels/correspondences.hpp>
-#include <consimd/kernels/rigid_fit.hpp>
+#include <consimd/poses/rigid_fit.hpp>
 #include <consimd/solvers/consensus_set.hpp>
+
+#pragma GCC visibility push(default)
 
 namespace consimd {
 
@@ -28,3 +30,5 @@ struct ThreePointResult {
                                                   const ThreePointOptions& options);
 
 }  // namespace consimd
+
+#pragma GCC visibility pop

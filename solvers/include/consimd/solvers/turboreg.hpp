@@ -12,6 +12,8 @@
 #include <consimd/solvers/pose_ranking.hpp>
 #include <consimd/solvers/registration.hpp>
 
+#pragma GCC visibility push(default)
+
 namespace consimd {
 
 struct TurboRegOptions {
@@ -52,3 +54,5 @@ struct TurboRegOptions {
 [[nodiscard]] Registration register_turboreg(const Correspondences& correspondences, const TurboRegOptions& options);
 
 }  // namespace consimd
+
+#pragma GCC visibility pop

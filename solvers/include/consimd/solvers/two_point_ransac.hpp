@@ -6,6 +6,8 @@
 #include <consimd/kernels/correspondences.hpp>
 #include <consimd/solvers/consensus_set.hpp>
 
+#pragma GCC visibility push(default)
+
 namespace consimd {
 
 /// Which angles the test compares.
@@ -32,3 +34,5 @@ struct TwoPointOptions {
                                             std::span<const std::uint32_t> candidates, const TwoPointOptions& options);
 
 }  // namespace consimd
+
+#pragma GCC visibility pop

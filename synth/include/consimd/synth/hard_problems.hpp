@@ -7,6 +7,8 @@
 
 #include <consimd/synth/problem.hpp>
 
+#pragma GCC visibility push(default)
+
 namespace consimd::synth {
 
 /// Where source points lie.
@@ -81,3 +83,5 @@ struct HardProblemOptions {
 [[nodiscard]] Problem hard_problem(const HardProblemOptions& options);
 
 }  // namespace consimd::synth
+
+#pragma GCC visibility pop

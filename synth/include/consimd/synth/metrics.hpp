@@ -6,6 +6,8 @@
 
 #include <consimd/synth/problem.hpp>
 
+#pragma GCC visibility push(default)
+
 namespace consimd::synth {
 
 /// Angle of R_estimate R_truth^T in degrees, [0, 180], taken from the unit quaternions: accurate to rounding from 0 to
@@ -34,3 +36,5 @@ struct InlierQuality {
 [[nodiscard]] RigidTransform oracle(const Problem& problem);
 
 }  // namespace consimd::synth
+
+#pragma GCC visibility pop

@@ -6,6 +6,8 @@
 
 #include <consimd/synth/problem.hpp>
 
+#pragma GCC visibility push(default)
+
 namespace consimd::synth {
 
 /// One trial's data depend on these values alone: every solver sees the same bytes.
@@ -28,3 +30,5 @@ struct NoiseStudyOptions {
 [[nodiscard]] constexpr double noise_study_bound(double sigma) noexcept { return 3.0 * sigma; }
 
 }  // namespace consimd::synth
+
+#pragma GCC visibility pop

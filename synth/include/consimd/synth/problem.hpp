@@ -6,7 +6,9 @@
 #include <vector>
 
 #include <consimd/kernels/correspondences.hpp>
-#include <consimd/kernels/rigid_fit.hpp>
+#include <consimd/poses/rigid_fit.hpp>
+
+#pragma GCC visibility push(default)
 
 namespace consimd::synth {
 
@@ -25,3 +27,5 @@ struct Problem {
 };
 
 }  // namespace consimd::synth
+
+#pragma GCC visibility pop

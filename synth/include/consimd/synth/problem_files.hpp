@@ -5,6 +5,8 @@
 
 #include <consimd/synth/problem.hpp>
 
+#pragma GCC visibility push(default)
+
 namespace consimd::synth {
 
 /// Writes three files to `folder`, which is made if need be:
@@ -17,3 +19,5 @@ namespace consimd::synth {
 void write_problem(const Problem& problem, const std::filesystem::path& folder);
 
 }  // namespace consimd::synth
+
+#pragma GCC visibility pop

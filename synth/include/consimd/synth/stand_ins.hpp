@@ -9,6 +9,8 @@
 
 #include <consimd/synth/problem.hpp>
 
+#pragma GCC visibility push(default)
+
 namespace consimd::synth {
 
 /// What a stand-in's scanners see.
@@ -47,3 +49,5 @@ struct StandIn {
 [[nodiscard]] Problem stand_in_problem(const StandIn& stand_in, std::uint64_t seed, std::uint64_t trial);
 
 }  // namespace consimd::synth
+
+#pragma GCC visibility pop

@@ -1,19 +1,19 @@
-#include <consimd/kernels/rigid_fit.hpp>
+#include <consimd/poses/rigid_fit.hpp>
 
 #include <consimd/kernels/rigid_moments.hpp>
 
 #include <gtest/gtest.h>
 
+#include <random>
 #include <vector>
-
-#include "raw_cloud.hpp"
 
 namespace consimd::test {
 namespace {
 
 Eigen::Matrix3Xd random_points(Eigen::Index n, std::uint32_t seed) {
   std::mt19937 random(seed);
-  return Eigen::Matrix3Xd::NullaryExpr(3, n, [&] { return 100.0 * double{uniform(random)}; });
+  std::uniform_real_distribution<double> coordinate(-100.0, 100.0);
+  return Eigen::Matrix3Xd::NullaryExpr(3, n, [&] { return coordinate(random); });
 }
 
 Correspondences correspondences_of(const Eigen::Matrix3Xd& p, const Eigen::Matrix3Xd& q) {

@@ -1,4 +1,4 @@
-#include <consimd/kernels/rigid_fit.hpp>
+#include <consimd/poses/rigid_fit.hpp>
 
 #include <Eigen/SVD>
 

@@ -1,5 +1,4 @@
-// Least-squares rigid fits from moments, and poses between the working frame and the caller's. The one kernels header
-// that needs Eigen.
+// Least-squares rigid fits from moments, and poses between the working frame and the caller's.
 #pragma once
 
 #include <Eigen/Geometry>
@@ -7,11 +6,14 @@
 #include <consimd/kernels/correspondences.hpp>
 #include <consimd/kernels/kernel_data.hpp>
 
+#pragma GCC visibility push(default)
+
 namespace consimd {
 
 /// A rigid motion in double precision. Unaligned storage: the layout is the same whatever -m flags a program is built
 /// with.
 using RigidTransform = Eigen::Transform<double, 3, Eigen::Isometry, Eigen::DontAlign>;
+static_assert(sizeof(RigidTransform) == 16 * sizeof(double) && alignof(RigidTransform) == alignof(double));
 
 /// The minimiser of sum w |R p + t - q|^2 over proper rotations, and how well the data determine it.
 struct RigidFit {
@@ -25,6 +27,7 @@ struct RigidFit {
   /// determined.
   [[nodiscard]] bool determined() const noexcept;
 };
+static_assert(sizeof(RigidFit) == 19 * sizeof(double) && alignof(RigidFit) == alignof(double));
 
 /// Kabsch's fit (SVD with the determinant's sign), the paper's pose solver. Moments without weight give the identity,
 /// not determined.
@@ -40,3 +43,5 @@ struct RigidFit {
 [[nodiscard]] RigidTransform to_working_frame(const RigidTransform& T_target_source, const Correspondences& frame);
 
 }  // namespace consimd
+
+#pragma GCC visibility pop
