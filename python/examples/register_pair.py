@@ -84,10 +84,14 @@ def draw(panel: Axes, cloud: Points, heading: str) -> None:
     wrong = np.flatnonzero(~is_inlier)
     wrong = wrong[:: max(1, len(wrong) // 300)]
     panel.add_collection(LineCollection(list(lines[wrong]), colors=RED, linewidths=0.4, alpha=0.25, zorder=1))
-    panel.scatter(*seen(target).T, s=4, color=GREY, linewidths=0, zorder=2, label="target")
-    panel.scatter(*seen(cloud).T, s=4, color=BLUE, linewidths=0, zorder=3, label="source")
-    panel.add_collection(LineCollection(list(lines[is_inlier]), colors=GREEN, linewidths=0.9, alpha=0.8, zorder=4))
-    panel.scatter(*seen(cloud[is_inlier]).T, s=10, color=GREEN, linewidths=0, zorder=5)
+    for points, color, label, size in (
+        (target, GREY, "target", 4),
+        (cloud, BLUE, "source", 4),
+        (cloud[is_inlier], GREEN, None, 10),
+    ):
+        x, y = seen(points).T
+        panel.scatter(x, y, s=size, color=color, linewidths=0, zorder=size, label=label)
+    panel.add_collection(LineCollection(list(lines[is_inlier]), colors=GREEN, linewidths=0.9, alpha=0.8, zorder=5))
     panel.plot([], [], color=GREEN, label=f"inliers: {is_inlier.sum()}")
     panel.plot([], [], color=RED, label=f"outliers: {(~is_inlier).sum()} (some are drawn)")
     panel.set_title(heading)
@@ -96,13 +100,16 @@ def draw(panel: Axes, cloud: Points, heading: str) -> None:
     panel.set_axisbelow(True)
 
 
-figure, (before, after) = plt.subplots(1, 2, figsize=(14, 6.4), sharex=True, sharey=True, layout="constrained")
-draw(before, source, "before")
-draw(after, moved, f"after: {result.status}, {1e3 * result.seconds:.1f} ms")
 # Within the middle 99 % of both clouds: single points far away would shrink all the rest.
 shown = np.concatenate([seen(source), seen(target), seen(moved)])
 low, high = np.percentile(shown, [0.5, 99.5], axis=0)
 margin = 0.04 * (high - low).max()
+width, height = high - low + 2 * margin
+figure, (before, after) = plt.subplots(
+    1, 2, figsize=(14, 1.4 + 6.7 * height / width), sharex=True, sharey=True, layout="constrained"
+)
+draw(before, source, "before")
+draw(after, moved, f"after: {result.status}, {1e3 * result.seconds:.1f} ms")
 before.set_xlim(low[0] - margin, high[0] + margin)
 before.set_ylim(low[1] - margin, high[1] + margin)
 figure.suptitle(f"{title}: {len(source)} correspondences, noise bound {result.noise_bound:.3g}")

@@ -8,6 +8,7 @@
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
+#include <nanobind/stl/string.h>
 #include <Eigen/Dense>
 
 namespace consimd::python {
@@ -44,8 +45,9 @@ AnyArray converted(nb::handle object, std::string_view name, const char* type, s
   if (!empty && kinds.find(nb::cast<std::string>(dtype.attr("kind"))) == std::string_view::npos) {
     reject_type(name, dtype, expected);
   }
-  return nb::cast<AnyArray>(
-      nb::module_::import_("numpy").attr("array")(array, nb::arg("dtype") = type, nb::arg("order") = "C"));
+  const nb::object fresh =
+      nb::module_::import_("numpy").attr("array")(array, nb::arg("dtype") = type, nb::arg("order") = "C");
+  return *borrowed(fresh);
 }
 
 bool is(const AnyArray& array, nb::dlpack::dtype_code code) {

@@ -89,18 +89,20 @@ void bind_moments(nb::module_& module) {
                            "Weighted sums over correspondences, working frame: all that a rigid fit needs.")
       .def_ro("weight", &RigidMoments::weight, "sum w")
       .def_prop_ro(
-          "source", [](const RigidMoments& m) { return copy_of<3>(m.source, {3}); }, "(3,) sum w p")
+          "source", [](const RigidMoments& m) { return copy_of<3>(m.source, {3}); }, nb::rv_policy::automatic,
+          "(3,) sum w p")
       .def_prop_ro(
-          "target", [](const RigidMoments& m) { return copy_of<3>(m.target, {3}); }, "(3,) sum w q")
+          "target", [](const RigidMoments& m) { return copy_of<3>(m.target, {3}); }, nb::rv_policy::automatic,
+          "(3,) sum w q")
       .def_prop_ro(
           "cross",
           [](const RigidMoments& m) {
             return copy_of<3, 3>(m.cross, {3, 3});
           },
-          "(3, 3) sum w q p^T")
+          nb::rv_policy::automatic, "(3, 3) sum w q p^T")
       .def_prop_ro(
           "source_scatter", [](const RigidMoments& m) { return copy_of<6>(m.source_scatter, {6}); },
-          "(6,) sum w p p^T: xx, xy, xz, yy, yz, zz")
+          nb::rv_policy::automatic, "(6,) sum w p p^T: xx, xy, xz, yy, yz, zz")
       .def_ro("residual", &RigidMoments::residual, "sum w r^2; robust_moments only, else 0");
 
   const nb::arg c("correspondences");
@@ -126,12 +128,14 @@ void bind_fit_kernels(nb::module_& module) {
   bind_moments(module);
   nb::class_<RigidFit>(module, "RigidFit", "A least-squares rigid motion, and how well the data determine it.")
       .def_prop_ro(
-          "pose", [](const RigidFit& fit) { return to_array(fit.pose); }, "(4, 4), frame of the moments")
+          "pose", [](const RigidFit& fit) { return to_array(fit.pose); }, nb::rv_policy::automatic,
+          "(4, 4), frame of the moments")
       .def_prop_ro(
           "singular_values",
           [](const RigidFit& fit) {
             return to_array(std::vector<double>(fit.singular_values.data(), fit.singular_values.data() + 3));
           },
+          nb::rv_policy::automatic,
           "(3,) of the cross-covariance, descending; the last negative if the best orthogonal matrix is a reflection")
       .def_prop_ro("determined", &RigidFit::determined,
                    "False for too few, coincident or collinear points: the rotation is then any of many.");

@@ -160,11 +160,11 @@ void bind_problem(nb::module_& module) {
           },
           "(N,) bool, a read-only view: the rows that the true motion made")
       .def_prop_ro(
-          "pose", [](const Problem& problem) { return to_array(problem.T_target_source); },
+          "pose", [](const Problem& problem) { return to_array(problem.T_target_source); }, nb::rv_policy::automatic,
           "(4, 4) float64, the true motion T_target_source")
       .def_prop_ro(
           "decoy_pose", [](const Problem& problem) { return to_array(problem.decoy_T_target_source); },
-          "(4, 4) float64, what decoys follow, where there are any")
+          nb::rv_policy::automatic, "(4, 4) float64, what decoys follow, where there are any")
       .def_ro("sigma", &Problem::sigma, "Standard deviation of an inlier's noise, per axis")
       .def("__len__", &Problem::size)
       .def("__repr__",

@@ -3,7 +3,6 @@
 import importlib.metadata
 import inspect
 import json
-import os
 import pathlib
 import subprocess
 import sys
@@ -56,19 +55,20 @@ def test_a_call_costs_little_more_than_the_library(command, eth_pair, tmp_path):
     source, target, bound = eth_pair
     file = tmp_path / "pair.txt"
     np.savetxt(file, np.hstack([source, target]), fmt="%.17g")
-    # `seconds` of the command is the registration alone; here the whole call counts, arrays in and result out.
-    runs = json.loads(command("register", file, "--noise-bound", bound, "--repeat", 200, "--json", "-"))["runs"]
-    cpp = np.median([run["seconds"] for run in runs])
-    times = []
-    for seed in range(1, 201):
+    runs = json.loads(command("register", file, "--noise-bound", bound, "--repeat", 300, "--json", "-"))["runs"]
+    whole, preparation = [], []
+    for seed in range(1, 301):
         start = time.perf_counter()
         consimd.register(source, target, bound, seed=seed)
-        times.append(time.perf_counter() - start)
-    ratio = np.median(times) / cpp
-    print(f"a call takes {1e3 * np.median(times):.3f} ms, {ratio:.2f} times the C++ time")
-    if os.environ.get("CI"):
-        return  # a busy machine's ratio says nothing
-    assert ratio < 1.3
+        whole.append(time.perf_counter() - start)
+        start = time.perf_counter()
+        consimd.Correspondences(source, target)
+        preparation.append(time.perf_counter() - start)
+    # `seconds` of the command is the registration alone: a C++ caller prepares the rows as well. The quickest of many
+    # calls, since another process may take the processor from any of them.
+    cpp = min(run["seconds"] for run in runs) + min(preparation)
+    print(f"a call takes {1e3 * min(whole):.3f} ms, {min(whole) / cpp:.2f} times the C++ time")
+    assert min(whole) < 1.3 * cpp
 
 
 def test_the_example_draws(tmp_path):
