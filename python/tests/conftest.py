@@ -12,6 +12,10 @@ import pytest
 import consimd
 
 
+def pytest_report_header():
+    return f"numpy {np.__version__}, consimd {consimd.__version__} on {consimd.kernels.active_isa()}"
+
+
 @pytest.fixture(scope="session")
 def command():
     """Runs the C++ command and returns what it printed."""

@@ -50,8 +50,7 @@ struct SolverOptions {
 
 /// A solver with options of its own, called with the noise bound to use, which was chosen from `bounds_tried` ones by
 /// looking at the data.
-using SolverCall =
-    std::function<Registration(const Correspondences&, double noise_bound, std::uint32_t bounds_tried)>;
+using SolverCall = std::function<Registration(const Correspondences&, double noise_bound, std::uint32_t bounds_tried)>;
 
 /// As `register_by_name`, with the noise bound estimated and the filter run for a solver of the caller's. The solver
 /// has its own seed; that of `options` is for the rest.
