@@ -4,6 +4,7 @@
 #include <limits>
 #include <optional>
 #include <string>
+#include <type_traits>
 #include <utility>
 
 #include <fmt/format.h>
@@ -95,7 +96,7 @@ void take_indices(const AnyArray& array, std::string_view name, std::vector<std:
       throw nb::value_error(
           fmt::format("{} holds {} (element {}), expected whole numbers from 0 to 4294967295", name, value, k).c_str());
     }
-    indices[k] = static_cast<std::uint32_t>(value);
+    indices[k] = static_cast<std::uint32_t>(static_cast<std::make_unsigned_t<T>>(value));
   });
 }
 

@@ -20,9 +20,9 @@ namespace consimd::python {
 
 template <>
 struct NamedValues<WeightFunction> {
-  static constexpr std::array values{Named{"truncated", WeightFunction::truncated},
-                                     Named{"cauchy", WeightFunction::cauchy},
-                                     Named{"student_uniform", WeightFunction::student_uniform}};
+  static constexpr std::array kValues{Named{"truncated", WeightFunction::truncated},
+                                      Named{"cauchy", WeightFunction::cauchy},
+                                      Named{"student_uniform", WeightFunction::student_uniform}};
 };
 
 namespace {

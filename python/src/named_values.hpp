@@ -16,7 +16,7 @@ struct Named {
 template <typename Enum>
 Named(const char*, Enum) -> Named<Enum>;
 
-/// Specialised with an array `values` of all names.
+/// Specialised with an array `kValues` of all names.
 template <typename Enum>
 struct NamedValues;
 
@@ -24,7 +24,7 @@ struct NamedValues;
 template <typename Enum>
 [[nodiscard]] Enum value_named(std::string_view name, std::string_view what) {
   std::string known;
-  for (const Named<Enum>& named : NamedValues<Enum>::values) {
+  for (const Named<Enum>& named : NamedValues<Enum>::kValues) {
     if (named.name == name) return named.value;
     known.append(known.empty() ? "" : ", ").append(named.name);
   }
@@ -34,7 +34,7 @@ template <typename Enum>
 
 template <typename Enum>
 [[nodiscard]] std::string_view name_of(Enum value) {
-  for (const Named<Enum>& named : NamedValues<Enum>::values) {
+  for (const Named<Enum>& named : NamedValues<Enum>::kValues) {
     if (named.value == value) return named.name;
   }
   return "unknown";

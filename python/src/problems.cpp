@@ -26,13 +26,13 @@ namespace consimd::python {
 
 template <>
 struct NamedValues<synth::Scene> {
-  static constexpr std::array values{Named{"volume", synth::Scene::volume}, Named{"planar", synth::Scene::planar},
-                                     Named{"linear", synth::Scene::linear}};
+  static constexpr std::array kValues{Named{"volume", synth::Scene::volume}, Named{"planar", synth::Scene::planar},
+                                      Named{"linear", synth::Scene::linear}};
 };
 
 template <>
 struct NamedValues<synth::OutlierModel> {
-  static constexpr std::array values{
+  static constexpr std::array kValues{
       Named{"uniform", synth::OutlierModel::uniform}, Named{"permuted", synth::OutlierModel::permuted},
       Named{"clustered", synth::OutlierModel::clustered}, Named{"one_to_many", synth::OutlierModel::one_to_many},
       Named{"many_to_many", synth::OutlierModel::many_to_many}};
@@ -40,15 +40,14 @@ struct NamedValues<synth::OutlierModel> {
 
 template <>
 struct NamedValues<synth::NoiseModel> {
-  static constexpr std::array values{Named{"gaussian", synth::NoiseModel::gaussian},
-                                     Named{"range_dependent", synth::NoiseModel::range_dependent},
-                                     Named{"student_t", synth::NoiseModel::student_t}};
+  static constexpr std::array kValues{Named{"gaussian", synth::NoiseModel::gaussian},
+                                      Named{"range_dependent", synth::NoiseModel::range_dependent},
+                                      Named{"student_t", synth::NoiseModel::student_t}};
 };
 
 namespace {
 
 using synth::HardProblemOptions;
-using synth::NoiseStudyOptions;
 using synth::Problem;
 
 Problem noise_study(std::size_t correspondences, double outlier_ratio, double sigma, double half_extent,

@@ -64,7 +64,7 @@ nb::dict to_dict(const Registration& result) {
 /// again.
 bool is_brief(std::string_view solver, std::size_t rows, const SolverOptions& options, const nb::dict& given) {
   constexpr std::size_t kMostRows = 20'000;
-  return solver == "tcf" && options.noise_bound && rows <= kMostRows && given.size() == 0;
+  return solver == "tcf" && options.noise_bound && rows <= kMostRows && given.empty();
 }
 
 nb::dict run_solver(const SharedCorrespondences& correspondences, std::string solver, std::optional<double> noise_bound,
@@ -75,7 +75,7 @@ nb::dict run_solver(const SharedCorrespondences& correspondences, std::string so
   options.filter = filter_by_name(filter);
   const std::optional<int> limit = checked_threads(threads);
   SolverCall call;
-  if (given.size() != 0) call = solver_with_options(solver, seed, given);
+  if (!given.empty()) call = solver_with_options(solver, seed, given);
   const auto rows = correspondences.rows;
   const bool brief = is_brief(solver, rows->size(), options, given);
   const auto work = [rows, solver = std::move(solver), options, limit, call] {

@@ -29,21 +29,21 @@ namespace nb = nanobind;
 
 template <>
 struct NamedValues<PoseRanking> {
-  static constexpr std::array values{Named{"inlier_count", PoseRanking::inlier_count},
-                                     Named{"truncated_score", PoseRanking::truncated_score}};
+  static constexpr std::array kValues{Named{"inlier_count", PoseRanking::inlier_count},
+                                      Named{"truncated_score", PoseRanking::truncated_score}};
 };
 
 template <>
 struct NamedValues<TeaserOptions::Selection> {
-  static constexpr std::array values{Named{"maximum_clique", TeaserOptions::Selection::maximum_clique},
-                                     Named{"maximum_core", TeaserOptions::Selection::maximum_core},
-                                     Named{"everything", TeaserOptions::Selection::everything}};
+  static constexpr std::array kValues{Named{"maximum_clique", TeaserOptions::Selection::maximum_clique},
+                                      Named{"maximum_core", TeaserOptions::Selection::maximum_core},
+                                      Named{"everything", TeaserOptions::Selection::everything}};
 };
 
 template <>
 struct NamedValues<GncRotationOptions::Pairs> {
-  static constexpr std::array values{Named{"chain", GncRotationOptions::Pairs::chain},
-                                     Named{"all", GncRotationOptions::Pairs::all}};
+  static constexpr std::array kValues{Named{"chain", GncRotationOptions::Pairs::chain},
+                                      Named{"all", GncRotationOptions::Pairs::all}};
 };
 
 namespace {
@@ -199,9 +199,9 @@ void apply(std::string_view solver, const nb::dict& given, Options& options) {
       found = true;
     }
     if (found) continue;
-    throw nb::type_error(("register() got an unexpected keyword argument '" + name + "'; options of the solver '" +
-                          std::string(solver) + "': " + known)
-                             .c_str());
+    std::string message = "register() got an unexpected keyword argument '";
+    message.append(name).append("'; options of the solver '").append(solver).append("': ").append(known);
+    throw nb::type_error(message.c_str());
   }
 }
 

@@ -44,6 +44,7 @@ nb::object column(const Rows& rows, const Get& get) {
     return list;
   } else {
     std::vector<Value> values;
+    values.reserve(rows.size());
     for (const auto& row : rows) values.push_back(get(row));
     return nb::cast(to_array(std::move(values)));
   }
