@@ -65,11 +65,9 @@ Registration run(std::string_view solver, const Correspondences& correspondences
 
 constexpr Filter kFilters[] = {Filter::none, Filter::tcf};
 
-Registration run(std::string_view solver, const Correspondences& correspondences, double noise_bound,
+Registration run(const SolverCall& solver, const Correspondences& correspondences, double noise_bound,
                  std::uint32_t bounds_tried, const SolverOptions& options) {
-  const auto solve = [&](const Correspondences& rows) {
-    return run(solver, rows, noise_bound, bounds_tried, options.seed);
-  };
+  const auto solve = [&](const Correspondences& rows) { return solver(rows, noise_bound, bounds_tried); };
   if (options.filter == Filter::none) return solve(correspondences);
   return detail::register_filtered(correspondences, noise_bound, bounds_tried, options.seed, solve);
 }
@@ -96,6 +94,15 @@ Registration register_by_name(std::string_view solver, const Correspondences& co
     for (const SolverInfo& info : kInfos) known.append(known.empty() ? "" : ", ").append(info.name);
     throw std::invalid_argument("solver is '" + std::string(solver) + "', expected one of: " + known);
   }
+  return register_with(
+      [&](const Correspondences& rows, double noise_bound, std::uint32_t bounds_tried) {
+        return run(solver, rows, noise_bound, bounds_tried, options.seed);
+      },
+      correspondences, options);
+}
+
+Registration register_with(const SolverCall& solver, const Correspondences& correspondences,
+                           const SolverOptions& options) {
   if (options.noise_bound) return run(solver, correspondences, *options.noise_bound, 1, options);
   StageReport estimation{"noise_bound", correspondences.size(), 0, 0, 0.0};
   NoiseBoundEstimate estimate;

@@ -84,6 +84,30 @@ TEST(Solver, NameMeansTheFunction) {
   }
 }
 
+TEST(Solver, OneOfTheCallersIsGivenTheEstimateAndTheFilteredRows) {
+  const Problem problem = easy_problem();
+  const Correspondences correspondences = problem.correspondences();
+  for (const Filter filter : {Filter::none, Filter::tcf}) {
+    for (const std::optional<double> bound : {std::optional<double>(3.0), std::optional<double>()}) {
+      const SolverOptions options{.noise_bound = bound, .seed = 7, .filter = filter};
+      const Registration by_name = register_by_name("tcf", correspondences, options);
+      std::size_t rows_given = 0;
+      const Registration with = register_with(
+          [&](const Correspondences& rows, double noise_bound, std::uint32_t bounds_tried) {
+            rows_given = rows.size();
+            EXPECT_EQ(noise_bound, by_name.noise_bound);
+            EXPECT_EQ(bounds_tried > 1, !bound.has_value());
+            return register_tcf(rows, {.noise_bound = noise_bound, .seed = 7, .bounds_tried = bounds_tried});
+          },
+          correspondences, options);
+      EXPECT_EQ(rows_given < correspondences.size(), filter == Filter::tcf);
+      EXPECT_EQ(with.T_target_source.matrix(), by_name.T_target_source.matrix());
+      EXPECT_EQ(with.inliers, by_name.inliers);
+      EXPECT_EQ(with.stages.size(), by_name.stages.size());
+    }
+  }
+}
+
 TEST(Solver, StatusesHaveNames) {
   std::set<std::string_view> names;
   for (const Status status : {Status::success, Status::too_few_correspondences, Status::no_consensus,

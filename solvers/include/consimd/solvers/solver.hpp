@@ -1,6 +1,7 @@
 // All solvers behind one call, by name: what the command line and the noise study use.
 #pragma once
 
+#include <functional>
 #include <optional>
 #include <span>
 #include <string_view>
@@ -48,6 +49,15 @@ struct SolverOptions {
 /// the known ones) or a bad option.
 [[nodiscard]] Registration register_by_name(std::string_view solver, const Correspondences& correspondences,
                                             const SolverOptions& options);
+
+/// A solver with options of its own, called with the noise bound to use, which was chosen from `bounds_tried` ones by
+/// looking at the data.
+using SolverCall = std::function<Registration(const Correspondences&, double noise_bound, std::uint32_t bounds_tried)>;
+
+/// As `register_by_name`, with the noise bound estimated and the filter run for a solver of the caller's. The solver
+/// has its own seed; that of `options` is for the rest.
+[[nodiscard]] Registration register_with(const SolverCall& solver, const Correspondences& correspondences,
+                                         const SolverOptions& options);
 
 }  // namespace consimd
 

@@ -1,0 +1,43 @@
+"""Registration of 3D point correspondences: vectorised consensus kernels and the solvers built on them.
+
+    result = consimd.register(source, target, noise_bound=0.2)
+    if result.has_pose:
+        moved = source @ result.pose[:3, :3].T + result.pose[:3, 3]
+
+`source` and `target` are (N, 3) arrays; row k of one is putatively the same point as row k of the other. Modules:
+`consimd.kernels`, the building blocks on arrays; `consimd.synth`, problems with a known pose. `consimd.sweep` runs the
+noise study. Results have the same bits on any number of threads and any instruction set, and those of the C++ library.
+"""
+
+from consimd import kernels, synth
+from consimd._core import Correspondences, __version__
+from consimd._register import (
+    NoiseBoundEstimate,
+    Registration,
+    RunnerUp,
+    Stage,
+    Status,
+    estimate_noise_bound,
+    register,
+    solver_options,
+    solvers,
+)
+from consimd._sweep import SweepResult, sweep
+
+__all__ = [
+    "Correspondences",
+    "NoiseBoundEstimate",
+    "Registration",
+    "RunnerUp",
+    "Stage",
+    "Status",
+    "SweepResult",
+    "__version__",
+    "estimate_noise_bound",
+    "kernels",
+    "register",
+    "solver_options",
+    "solvers",
+    "sweep",
+    "synth",
+]

@@ -1,0 +1,218 @@
+"""Registration, and what it returns."""
+
+from __future__ import annotations
+
+import enum
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any, NamedTuple, overload
+
+from consimd import _core
+from consimd._core import Correspondences
+
+if TYPE_CHECKING:
+    import numpy as np
+    from numpy.typing import ArrayLike, NDArray
+
+
+class Status(str, enum.Enum):
+    """Why a solver stopped. Members are strings: `result.status == "success"`."""
+
+    SUCCESS = "success"
+    """A pose with significant support."""
+    TOO_FEW_CORRESPONDENCES = "too_few_correspondences"
+    """Fewer than three."""
+    NO_CONSENSUS = "no_consensus"
+    """No pose has more support than chance gives."""
+    DEGENERATE_GEOMETRY = "degenerate_geometry"
+    """The supporters do not determine a pose: they coincide or lie on a line."""
+    AMBIGUOUS = "ambiguous"
+    """Another motion has about as much support: see `Registration.runner_up`."""
+    BUDGET_EXHAUSTED = "budget_exhausted"
+    """The iteration budget ended before the wanted confidence; the best pose so far is given."""
+
+    __str__ = str.__str__
+    __format__ = str.__format__
+
+
+@dataclass(frozen=True)
+class Stage:
+    """One stage of a solver."""
+
+    name: str
+    input: int
+    """Correspondences given to the stage."""
+    output: int
+    """Correspondences it kept."""
+    iterations: int
+    """Hypotheses drawn, or rounds."""
+    seconds: float
+
+
+@dataclass(frozen=True, eq=False)
+class RunnerUp:
+    """The best-supported pose that is another motion than the one returned."""
+
+    pose: NDArray[np.float64]
+    """(4, 4), source to target."""
+    support: int
+    """Correspondences within the noise bound of it."""
+    log10_false_poses: float
+    """As in `Registration`."""
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Registration:
+    """What `register` found. Lengths are in the unit of the points."""
+
+    status: Status
+    pose: NDArray[np.float64]
+    """(4, 4), T_target_source: takes source points to the target frame, p -> pose[:3, :3] @ p + pose[:3, 3]. The
+    identity unless `has_pose`."""
+    inliers: NDArray[np.int64]
+    """(K,) rows of the input within `noise_bound` of the pose, ascending. Empty without a pose."""
+    covariance: NDArray[np.float64]
+    """(6, 6), of the pose's error: rotation (rad) before translation, along the axes of the target frame,
+    R_true = Exp(theta) R. At the origin of the source frame, so lever arms count. Zero without a pose, and from
+    `tcf-published` and `teaser` with refine=False, which do not estimate it."""
+    log10_false_poses: float
+    """log10 of the number of equally supported poses that chance lets expect. Success needs it well below 0."""
+    runner_up: RunnerUp | None
+    stages: tuple[Stage, ...]
+    seconds: float
+    """Wall time of the registration in the library."""
+    correspondences: int
+    """Rows of the input."""
+    solver: str
+    filter: str
+    seed: int
+    isa: str
+    """The instruction set that the kernels ran on."""
+    threads: int
+    noise_bound: float
+    """What was used: given, or estimated."""
+    consistency_bound: float
+    """Bound on differences of lengths, twice the noise bound."""
+
+    @property
+    def has_pose(self) -> bool:
+        """Whether `pose` is an estimate: the status is success, ambiguous or budget_exhausted."""
+        return self.status in (Status.SUCCESS, Status.AMBIGUOUS, Status.BUDGET_EXHAUSTED)
+
+    def __repr__(self) -> str:
+        found = (
+            f"{len(self.inliers)} of {self.correspondences} correspondences within {self.noise_bound:.4g} of the pose, "
+            f"by chance 10^{self.log10_false_poses:.1f} such poses"
+            if self.has_pose
+            else f"no pose for {self.correspondences} correspondences and noise bound {self.noise_bound:.4g}"
+        )
+        return f"<consimd.Registration: {self.status} by {self.solver}, {found}, {1e3 * self.seconds:.3g} ms>"
+
+
+class NoiseBoundEstimate(NamedTuple):
+    """What `estimate_noise_bound` returns."""
+
+    noise_bound: float
+    """Three times the estimated standard deviation of inliers' residuals per axis, in the unit of the points."""
+    log10_false_poses: float
+    """Of the pose that the estimate rests on; near or above 0 there may be none."""
+    bounds_tried: int
+
+
+@overload
+def register(
+    source: Correspondences,
+    target: None = None,
+    noise_bound: float | None = None,
+    solver: str = "tcf",
+    seed: int = 0,
+    *,
+    filter: str = "none",
+    threads: int | None = None,
+    **options: Any,
+) -> Registration: ...
+@overload
+def register(
+    source: ArrayLike,
+    target: ArrayLike,
+    noise_bound: float | None = None,
+    solver: str = "tcf",
+    seed: int = 0,
+    *,
+    filter: str = "none",
+    threads: int | None = None,
+    **options: Any,
+) -> Registration: ...
+def register(
+    source: ArrayLike | Correspondences,
+    target: ArrayLike | None = None,
+    noise_bound: float | None = None,
+    solver: str = "tcf",
+    seed: int = 0,
+    *,
+    filter: str = "none",
+    threads: int | None = None,
+    **options: Any,
+) -> Registration:
+    """Finds the rigid motion that correspondences agree on, most of which may be wrong.
+
+    source, target: (N, 3), one unit of length; row k of source may be the same point as row k of target. float32 and
+        float64 arrays are read in place, whatever their strides. Or `source` is a `Correspondences` and no target is
+        given, which saves the preparation where the same rows are registered again.
+    noise_bound: largest distance of a true correspondence's target from the moved source, in that unit; about three
+        times the noise's standard deviation per axis. None: estimated from the correspondences, which takes some ten
+        times as long.
+    solver: one of `solvers()`.
+    seed: of the random samples; the same seed gives the same bits, on any number of threads and any processor.
+    filter: "tcf" gives the solver only what the two filters of TCF keep; "none" gives it all.
+    threads: at most so many; None: all that the process may use.
+    options: the solver's own, see `solver_options(solver)`; the C++ headers explain them.
+
+    Never raises for want of a pose: the status says so. ValueError on a bad shape or value, TypeError on an unknown
+    option. Other Python threads run meanwhile. Ctrl-C raises KeyboardInterrupt at once; the solver, which cannot be
+    stopped, then runs on unseen until its budget ends, and the interpreter waits for it before it exits. Only `tcf` with
+    a noise bound and up to 20 000 rows, a matter of milliseconds, is let finish first.
+    """
+    if isinstance(source, Correspondences):
+        if target is not None:
+            raise TypeError("register() takes no target beside a Correspondences")
+        rows = source
+    elif target is None:
+        raise TypeError("register() needs a target, (N, 3)")
+    else:
+        rows = Correspondences(source, target)
+    import numpy as np
+
+    fields = _core.run_solver(rows, solver, noise_bound, seed, filter, threads, options)
+    fields["pose"] = np.frombuffer(fields["pose"], np.float64).reshape(4, 4)
+    fields["covariance"] = np.frombuffer(fields["covariance"], np.float64).reshape(6, 6)
+    fields["inliers"] = np.frombuffer(fields["inliers"], np.int64)
+    fields["status"] = Status(fields["status"])
+    fields["stages"] = tuple(Stage(*stage) for stage in fields["stages"])
+    if fields["runner_up"] is not None:
+        fields["runner_up"] = RunnerUp(*fields["runner_up"])
+    return Registration(correspondences=len(rows), solver=solver, filter=filter, **fields)
+
+
+def estimate_noise_bound(
+    source: ArrayLike | Correspondences, target: ArrayLike | None = None, seed: int = 0, threads: int | None = None
+) -> NoiseBoundEstimate:
+    """Estimates what `register` is given as the noise bound, as it does itself without one.
+
+    Arguments as those of `register`. Keeps the bound whose best pose is least likely by chance and measures the
+    residuals around it.
+    """
+    if not isinstance(source, Correspondences):
+        if target is None:
+            raise TypeError("estimate_noise_bound() needs a target, (N, 3)")
+        source = Correspondences(source, target)
+    return NoiseBoundEstimate(*_core.estimate_noise_bound(source, seed, threads))
+
+
+def solvers() -> dict[str, str]:
+    """Names and one-line descriptions of all solvers, the default first."""
+    return _core.solvers()
+
+
+def solver_options(solver: str = "tcf") -> dict[str, Any]:
+    """The options that `register` takes for a solver beside its own arguments, with their default values."""
+    return _core.default_options(solver)

@@ -1,0 +1,116 @@
+// Registration by any solver.
+#include <consimd/solvers/registration.hpp>
+
+#include <optional>
+#include <string>
+#include <string_view>
+#include <utility>
+
+#include <nanobind/stl/optional.h>
+#include <nanobind/stl/string.h>
+#include <nanobind/stl/string_view.h>
+#include <nanobind/stl/vector.h>
+
+#include <consimd/solvers/noise_bound.hpp>
+#include <consimd/solvers/solver.hpp>
+
+#include "array_results.hpp"
+#include "bindings.hpp"
+#include "interruptible_call.hpp"
+#include "solver_options.hpp"
+#include "threads.hpp"
+
+namespace consimd::python {
+namespace {
+
+nb::list to_list(const std::vector<StageReport>& stages) {
+  nb::list list;
+  for (const StageReport& stage : stages) {
+    list.append(nb::make_tuple(stage.name, stage.input, stage.output, stage.iterations, stage.seconds));
+  }
+  return list;
+}
+
+/// Numbers for numpy.frombuffer: several times quicker than an array made here, which counts where a call takes 0.2 ms.
+template <typename Numbers>
+nb::bytearray to_bytes(const Numbers& numbers) {
+  return nb::bytearray(numbers.data(), static_cast<std::size_t>(numbers.size()) * sizeof(*numbers.data()));
+}
+
+/// The fields of consimd.Registration but for those that its caller knows.
+nb::dict to_dict(const Registration& result) {
+  nb::dict fields;
+  fields["status"] = to_string(result.status);
+  fields["pose"] = to_bytes(Eigen::Matrix<double, 4, 4, Eigen::RowMajor>(result.T_target_source.matrix()));
+  fields["covariance"] = to_bytes(Eigen::Matrix<double, 6, 6, Eigen::RowMajor>(result.covariance));
+  fields["inliers"] = to_bytes(std::vector<std::int64_t>(result.inliers.begin(), result.inliers.end()));
+  fields["log10_false_poses"] = result.log10_false_poses;
+  fields["runner_up"] = nb::none();
+  if (result.runner_up) {
+    fields["runner_up"] = nb::make_tuple(to_array(result.runner_up->T_target_source), result.runner_up->support,
+                                         result.runner_up->log10_false_poses);
+  }
+  fields["stages"] = to_list(result.stages);
+  fields["seconds"] = result.seconds;
+  fields["seed"] = result.seed;
+  fields["isa"] = to_string(result.isa);
+  fields["threads"] = result.threads;
+  fields["noise_bound"] = result.noise_bound;
+  fields["consistency_bound"] = result.consistency_bound;
+  return fields;
+}
+
+/// Milliseconds at most, so that a signal can wait, and the thread that `call_interruptibly` starts would cost as much
+/// again.
+bool is_brief(std::string_view solver, std::size_t rows, const SolverOptions& options, const nb::dict& given) {
+  constexpr std::size_t kMostRows = 20'000;
+  return solver == "tcf" && options.noise_bound && rows <= kMostRows && given.empty();
+}
+
+nb::dict run_solver(const SharedCorrespondences& correspondences, std::string solver, std::optional<double> noise_bound,
+                    std::uint64_t seed, std::string_view filter, std::optional<int> threads, const nb::dict& given) {
+  SolverOptions options;
+  options.noise_bound = noise_bound;
+  options.seed = seed;
+  options.filter = filter_by_name(filter);
+  const std::optional<int> limit = checked_threads(threads);
+  SolverCall call;
+  if (!given.empty()) call = solver_with_options(solver, seed, given);
+  const auto rows = correspondences.rows;
+  const bool brief = is_brief(solver, rows->size(), options, given);
+  const auto work = [rows, solver = std::move(solver), options, limit, call] {
+    return with_threads(
+        limit, [&] { return call ? register_with(call, *rows, options) : register_by_name(solver, *rows, options); });
+  };
+  if (!brief) return to_dict(interruptible_result<Registration>(work));
+  Registration result;
+  {
+    const nb::gil_scoped_release unlocked;
+    result = work();
+  }
+  return to_dict(result);
+}
+
+nb::tuple estimate(const SharedCorrespondences& correspondences, std::uint64_t seed, std::optional<int> threads) {
+  const auto rows = correspondences.rows;
+  const std::optional<int> limit = checked_threads(threads);
+  const auto result = interruptible_result<NoiseBoundEstimate>(
+      [rows, seed, limit] { return with_threads(limit, [&] { return estimate_noise_bound(*rows, seed); }); });
+  return nb::make_tuple(result.noise_bound, result.log10_false_poses, result.bounds_tried);
+}
+
+}  // namespace
+
+void bind_registration(nb::module_& module) {
+  module.def("run_solver", &run_solver, nb::arg("correspondences"), nb::arg("solver"), nb::arg("noise_bound").none(),
+             nb::arg("seed"), nb::arg("filter"), nb::arg("threads").none(), nb::arg("options"));
+  module.def("estimate_noise_bound", &estimate, nb::arg("correspondences"), nb::arg("seed"), nb::arg("threads").none());
+  module.def("default_options", &default_options, nb::arg("solver"));
+  module.def("solvers", [] {
+    nb::dict all;
+    for (const SolverInfo& info : solvers()) all[nb::cast(info.name)] = info.description;
+    return all;
+  });
+}
+
+}  // namespace consimd::python

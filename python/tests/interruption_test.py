@@ -1,0 +1,142 @@
+"""Ctrl-C, and other Python threads meanwhile."""
+
+import signal
+import threading
+import time
+
+import numpy as np
+import pytest
+
+import consimd
+
+# Some seconds of clique search, longer than any wait below.
+LONG = """
+import time, consimd
+p = consimd.synth.noise_study_problem(3000, outlier_ratio=0.6, sigma=5.0)
+c = p.correspondences()
+print("ready", flush=True)
+start = time.perf_counter()
+try:
+    consimd.register(c, None, 60.0, "mac", threads=1, max_mean_degree=float("inf"), max_cliques=10**9, max_nodes=700_000)
+    print("finished", flush=True)
+except KeyboardInterrupt:
+    print("interrupted", time.perf_counter() - start, flush=True)
+"""
+
+
+def test_ctrl_c_ends_a_registration_at_once(script):
+    process = script(LONG)
+    assert process.stdout.readline() == "ready\n"
+    time.sleep(0.2)
+    process.send_signal(signal.SIGINT)
+    word, seconds = process.stdout.readline().split()
+    assert word == "interrupted"
+    assert float(seconds) < 1.5
+    # The solver that was left behind ends by itself, and the process in good order after it.
+    assert process.wait(timeout=120) == 0
+    assert process.stderr.read() == ""
+
+
+SWEEP = """
+import consimd
+try:
+    consimd.sweep(500, [0.5, 0.9], [0.5, 1.0], trials=20_000, out="study")
+    print("finished")
+except KeyboardInterrupt:
+    print("interrupted")
+"""
+
+
+def test_ctrl_c_ends_a_sweep_and_keeps_what_is_done(script, tmp_path):
+    process = script(SWEEP)
+    trials = tmp_path / "study/trials.csv"
+    deadline = time.monotonic() + 60
+    while not (trials.exists() and trials.read_text().count("\n") > 100):
+        assert time.monotonic() < deadline
+        time.sleep(0.01)
+    process.send_signal(signal.SIGINT)
+    assert process.wait(timeout=30) == 0
+    assert process.stdout.read() == "interrupted\n"
+    lines = trials.read_text().splitlines()
+    assert 100 < len(lines) < 80_000
+    assert {len(line.split(",")) for line in lines} == {15}
+    # The same call takes it up.
+    seen = []
+
+    def stop(done, total):
+        seen.append(done)
+        raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt):
+        consimd.sweep(500, [0.5, 0.9], [0.5, 1.0], trials=20_000, out=tmp_path / "study", progress=stop)
+    assert seen[0] >= len(lines) - 1
+
+
+def test_a_handler_that_does_not_raise_ends_nothing(problem):
+    calls = []
+    before = signal.signal(signal.SIGALRM, lambda *_: calls.append(1))
+    try:
+        signal.setitimer(signal.ITIMER_REAL, 0.02, 0.02)
+        trials = consimd.sweep(1000, [0.5, 0.9], [0.5, 1.0], trials=300).trials
+    finally:
+        signal.setitimer(signal.ITIMER_REAL, 0)
+        signal.signal(signal.SIGALRM, before)
+    assert len(trials) == 1200
+    assert calls
+
+
+def test_other_threads_run_meanwhile():
+    problem = consimd.synth.noise_study_problem(200_000, outlier_ratio=0.5)
+    spans = []
+
+    def register():
+        start = time.perf_counter()
+        consimd.register(problem.source, problem.target, threads=1)  # without a bound: about a second
+        spans.append((start, time.perf_counter()))
+
+    thread = threading.Thread(target=register)
+    thread.start()
+    ticks = []
+    while thread.is_alive():
+        ticks.append(time.perf_counter())
+        time.sleep(0.001)
+    (start, end), = spans
+    assert end - start > 0.1
+    inside = np.array([tick for tick in ticks if start < tick < end])
+    # Without the release there would be one gap as long as the call.
+    assert len(inside) > 20
+    assert np.diff(inside, prepend=start, append=end).max() < 0.5 * (end - start)
+
+
+def test_registrations_in_threads_and_forks_agree(problem):
+    expected = consimd.register(problem.source, problem.target, 1.5).pose
+    poses = [None] * 8
+
+    def register(k):
+        poses[k] = consimd.register(problem.source, problem.target, 1.5).pose
+
+    threads = [threading.Thread(target=register, args=(k,)) for k in range(8)]
+    for thread in threads:
+        thread.start()
+    for thread in threads:
+        thread.join()
+    assert all(np.array_equal(pose, expected) for pose in poses)
+
+
+FORKS = """
+import multiprocessing, numpy, consimd
+p = consimd.synth.noise_study_problem(500, outlier_ratio=0.8)
+def register(seed):
+    return consimd.register(p.source, p.target, 3.0, seed=seed)
+if __name__ == "__main__":
+    here = [register(seed).pose for seed in range(6)]
+    with multiprocessing.get_context("fork").Pool(2) as pool:
+        there = [result.pose for result in pool.map(register, range(6))]
+    print(all(map(numpy.array_equal, here, there)))
+"""
+
+
+def test_registrations_in_forked_processes_agree(script):
+    process = script(FORKS)
+    out, error = process.communicate(timeout=60)
+    assert out == "True\n", error

@@ -1,0 +1,196 @@
+"""consimd.register: the results of the C++ command, errors, options."""
+
+import json
+import pickle
+
+import numpy as np
+import pytest
+
+import consimd
+
+
+def save(path, source, target):
+    np.savetxt(path, np.hstack([source, target]), fmt="%.17g")
+    return path
+
+
+def run_of(command, *arguments):
+    return json.loads(command("register", *arguments, "--json", "-"))["runs"][0]
+
+
+def assert_same(result, run):
+    """To the last bit: JSON numbers have the digits that read back as the same double."""
+    assert result.status == run["status"]
+    assert result.pose.tolist() == run["T_target_source"]
+    assert result.covariance.tolist() == run["covariance"]
+    assert result.inliers.tolist() == run["inliers"]
+    assert result.noise_bound == run["noise_bound"]
+    assert result.log10_false_poses == run["log10_false_poses"]
+    assert [(s.name, s.input, s.output, s.iterations) for s in result.stages] == [
+        (s["name"], s["input"], s["output"], s["iterations"]) for s in run["stages"]
+    ]
+    assert (result.runner_up is None) == ("runner_up" not in run)
+    if result.runner_up is not None:
+        assert result.runner_up.pose.tolist() == run["runner_up"]["T_target_source"]
+        assert result.runner_up.support == run["runner_up"]["support"]
+
+
+@pytest.mark.parametrize("solver", consimd.solvers())
+def test_same_bits_as_the_command(command, problem, tmp_path, solver):
+    file = save(tmp_path / "pair.txt", problem.source, problem.target)
+    run = run_of(command, file, "--noise-bound", 1.5, "--solver", solver, "--seed", 4)
+    assert_same(consimd.register(problem.source, problem.target, 1.5, solver, seed=4), run)
+
+
+@pytest.mark.parametrize("threads", [None, 1, 2])
+def test_same_bits_on_a_recorded_pair(command, eth_pair, tmp_path, threads):
+    source, target, bound = eth_pair
+    file = save(tmp_path / "pair.txt", source, target)
+    result = consimd.register(source, target, bound, seed=7, threads=threads)
+    assert_same(result, run_of(command, file, "--noise-bound", bound, "--seed", 7))
+    assert result.status == "success"
+    rows = consimd.Correspondences(source, target)
+    assert np.array_equal(consimd.register(rows, noise_bound=bound, seed=7).pose, result.pose)
+
+
+def test_same_bits_without_a_bound_and_after_the_filter(command, problem, tmp_path):
+    file = save(tmp_path / "pair.txt", problem.source, problem.target)
+    assert_same(consimd.register(problem.source, problem.target, seed=2), run_of(command, file, "--seed", 2))
+    result = consimd.register(problem.source, problem.target, 1.5, "sc2_pcr", seed=2, filter="tcf")
+    assert_same(
+        result, run_of(command, file, "--noise-bound", 1.5, "--solver", "sc2_pcr", "--filter", "tcf", "--seed", 2)
+    )
+    assert result.filter == "tcf"
+    assert result.stages[0].name == "filter_one_point"
+
+
+@pytest.mark.parametrize("solver", consimd.solvers())
+def test_default_options_change_nothing(problem, solver):
+    options = consimd.solver_options(solver)
+    assert options
+    plain = consimd.register(problem.source, problem.target, None, solver, filter="tcf")
+    given = consimd.register(problem.source, problem.target, None, solver, filter="tcf", **options)
+    assert np.array_equal(plain.pose, given.pose)
+    assert np.array_equal(plain.inliers, given.inliers)
+    assert plain.noise_bound == given.noise_bound
+    assert [s.name for s in plain.stages] == [s.name for s in given.stages]
+
+
+def test_options_reach_their_solver(problem):
+    register = lambda *args, **options: consimd.register(problem.source, problem.target, 1.5, *args, **options)
+    drawn = {n: register("ransac", max_iterations=n, confidence=None).stages[0].iterations for n in (1000, 3000)}
+    assert drawn == {1000: 1000, 3000: 3000}
+    assert register("tcf", max_seeds=1, seed=3).stages[0].iterations <= 64 < register("tcf").stages[0].iterations or (
+        register("tcf", max_seeds=1, seed=3).status != "success"
+    )
+    assert not register("teaser", refine=False).covariance.any()
+    assert register("teaser").covariance.any()
+    with pytest.raises(ValueError, match="budget|matrix"):
+        register("teaser", matrix_budget_bytes=10)
+
+
+def test_unknown_and_bad_options_are_named(problem):
+    register = lambda *args, **options: consimd.register(problem.source, problem.target, 1.5, *args, **options)
+    with pytest.raises(
+        TypeError, match="unexpected keyword argument 'max_nodes'; options of the solver 'tcf': confidence, max_seeds"
+    ):
+        register("tcf", max_nodes=3)
+    with pytest.raises(TypeError, match="confidence is 'high', expected a number"):
+        register("tcf", confidence="high")
+    with pytest.raises(ValueError, match="max_seeds is -1, expected a whole number >= 0"):
+        register("tcf", max_seeds=-1)
+    with pytest.raises(ValueError, match="ranking is 'best', expected one of: inlier_count, truncated_score"):
+        register("sc2_pcr", ranking="best")
+    with pytest.raises(ValueError, match="confidence"):
+        register("tcf", confidence=1.5)
+
+
+def test_errors_are_those_of_the_library(problem):
+    source, target = problem.source, problem.target
+    for bound in (0.0, -1.0, np.nan, np.inf):
+        with pytest.raises(ValueError, match="noise_bound"):
+            consimd.register(source, target, bound)
+    for call in (consimd.register, lambda *a, **k: consimd.register(*a, confidence=0.5, **k)):
+        with pytest.raises(ValueError, match="solver is 'icp', expected one of: tcf"):
+            call(source, target, 1.0, "icp")
+    with pytest.raises(ValueError, match="filter is 'x', expected one of: none, tcf"):
+        consimd.register(source, target, 1.0, filter="x")
+    with pytest.raises(ValueError, match="threads is 0"):
+        consimd.register(source, target, 1.0, threads=0)
+    with pytest.raises(TypeError, match="needs a target"):
+        consimd.register(source)
+    with pytest.raises(TypeError, match="no target beside"):
+        consimd.register(problem.correspondences(), target)
+    with pytest.raises(ValueError, match="solver is 'icp'"):
+        consimd.solver_options("icp")
+
+
+def test_the_result_explains_itself(problem):
+    result = consimd.register(problem.source, problem.target, 1.5)
+    assert result.status is consimd.Status.SUCCESS
+    assert f"{result.status}" == str(result.status) == "success"
+    assert result.has_pose
+    assert result.pose.shape == (4, 4) and result.pose.dtype == np.float64
+    assert result.covariance.shape == (6, 6)
+    assert np.linalg.eigvalsh(result.covariance).min() > -1e-12
+    moved = problem.source @ result.pose[:3, :3].T + result.pose[:3, 3]
+    residuals = np.linalg.norm(moved - problem.target, axis=1)
+    assert np.array_equal(result.inliers, np.flatnonzero(residuals < 1.5))
+    assert (result.seed, result.noise_bound, result.consistency_bound) == (0, 1.5, 3.0)
+    assert (result.solver, result.filter, result.correspondences) == ("tcf", "none", 1000)
+    assert result.isa == consimd.kernels.active_isa()
+    assert result.threads >= 1 and consimd.register(problem.source, problem.target, 1.5, threads=1).threads == 1
+    assert 0 < sum(stage.seconds for stage in result.stages) < 1.1 * result.seconds
+    text = repr(result)
+    assert "success by tcf" in text and f"{len(result.inliers)} of 1000" in text and "\n" not in text
+
+
+def test_without_a_pose(problem):
+    result = consimd.register(*(np.random.default_rng(1).normal(size=(2, 300, 3))), 0.05)
+    assert result.status == "no_consensus"
+    assert not result.has_pose
+    assert np.array_equal(result.pose, np.eye(4))
+    assert result.inliers.shape == (0,) and not result.covariance.any()
+    assert "no_consensus by tcf, no pose" in repr(result)
+
+
+def test_two_motions_are_ambiguous():
+    two = consimd.synth.hard_problem(correspondences=600, outlier_ratio=0.8, sigma=0.1, decoy_share=1.0)
+    result = consimd.register(two.source, two.target, 0.3)
+    assert result.status is consimd.Status.AMBIGUOUS
+    assert isinstance(result.runner_up, consimd.RunnerUp)
+    errors = sorted(consimd.synth.rotation_error_deg(result.runner_up.pose, pose) for pose in (two.pose, two.decoy_pose))
+    assert errors[0] < 0.5 < errors[1]
+    assert result.runner_up.support > 50
+
+
+def test_results_can_be_pickled(problem):
+    result = consimd.register(problem.source, problem.target, 1.5)
+    copy = pickle.loads(pickle.dumps(result))
+    assert copy.status is result.status
+    assert np.array_equal(copy.pose, result.pose)
+    assert copy.stages == result.stages
+
+
+def test_map_coordinates_and_millimetres():
+    far = consimd.synth.hard_problem(
+        outlier_ratio=0.8, sigma=0.1, source_offset=(5e6, -4e6, 100), target_offset=(5e6, -4e6, 0), units_per_metre=1000
+    )
+    result = consimd.register(far.source, far.target, 300.0)
+    assert result.status == "success"
+    assert consimd.synth.rmse_true_inliers(far, result.pose) < 300
+
+
+def test_the_noise_bound_is_estimated(problem):
+    estimate = consimd.estimate_noise_bound(problem.source, problem.target)
+    assert estimate.noise_bound == pytest.approx(1.5, rel=0.3)
+    assert estimate == consimd.estimate_noise_bound(problem.correspondences())
+    assert consimd.register(problem.source, problem.target).noise_bound == estimate.noise_bound
+
+
+def test_solvers_are_listed():
+    assert next(iter(consimd.solvers())) == "tcf"
+    assert all(consimd.solvers().values())
+    assert consimd.solver_options()["confidence"] == 0.99
+    assert consimd.solver_options("ransac-10k")["confidence"] is None
+    assert consimd.solver_options("teaser")["selection"] == "maximum_clique"

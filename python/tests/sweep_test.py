@@ -1,0 +1,103 @@
+"""consimd.sweep: the tables of the C++ command."""
+
+import json
+
+import numpy as np
+import pytest
+
+import consimd
+
+STUDY = dict(points=200, outliers=(0.5, 0.9), sigma=(0.5, 2.0, 4.0), trials=4, solvers=("tcf", "ransac"), seed=3)
+
+
+def read(path):
+    return np.genfromtxt(path, delimiter=",", names=True, dtype=None, encoding="utf-8")
+
+
+def assert_same_but_for_times(table, other):
+    assert table.dtype.names == other.dtype.names
+    for name in table.dtype.names:
+        if name.startswith("seconds"):
+            assert (table[name] > 0).all()
+        elif table.dtype[name].kind == "f":
+            assert np.array_equal(table[name], other[name], equal_nan=True), name
+        else:
+            assert (table[name] == other[name]).all(), name
+
+
+def test_same_tables_as_the_command(command, tmp_path):
+    command(
+        *("sweep", "--points", 200, "--outliers", "0.5,0.9", "--sigma", "0.5,2,4", "--trials", 4),
+        *("--solver", "tcf,ransac", "--seed", 3, "--out", tmp_path / "cpp"),
+    )
+    trials, cells = consimd.sweep(**STUDY, out=tmp_path / "python")
+    assert (len(trials), len(cells)) == (48, 12)
+    for name, table in (("trials.csv", trials), ("cells.csv", cells)):
+        assert_same_but_for_times(table, read(tmp_path / "cpp" / name))
+        # Its own file holds the very same numbers, times included.
+        own = read(tmp_path / "python" / name)
+        assert all((table[field] == own[field]).all() for field in table.dtype.names if field != "inlier_precision")
+    assert json.loads((tmp_path / "python/summary.json").read_text())["complete"]
+
+
+def test_results_do_not_depend_on_threads():
+    one, two = (consimd.sweep(**STUDY, threads=threads) for threads in (1, 2))
+    assert_same_but_for_times(one.trials, two.trials)
+    assert_same_but_for_times(one.cells, two.cells)
+
+
+def test_columns(capsys):
+    trials, cells = consimd.sweep(points=100, outliers=[0.2], sigma=[1.0], trials=2, solvers="tcf")
+    assert trials["solver"].tolist() == ["tcf", "tcf"]
+    assert trials["success"].dtype == bool and trials["success"].all()
+    assert trials["seed"].tolist() == [1, 2]
+    assert cells["recall"][0] == 1 and 0 < cells["recall_low"][0] < 1
+    assert cells["rotation_error_deg_mean"][0] == pytest.approx(trials["rotation_error_deg"].mean())
+    assert capsys.readouterr().out == ""
+
+
+def test_the_default_noise_levels_are_the_papers():
+    trials, _ = consimd.sweep(points=50, outliers=[0.1], trials=1)
+    assert np.array_equal(trials["sigma"], np.round(np.linspace(0.1, 5, 50), 12))
+
+
+def test_progress_is_told_and_may_stop_the_study(tmp_path):
+    told = []
+    consimd.sweep(**STUDY, progress=lambda done, total: told.append((done, total)))
+    assert told[-1] == (48, 48)
+
+    def stop(done, total):
+        raise LookupError("enough")
+
+    long = {**STUDY, "points": 3000, "trials": 20_000, "solvers": "tcf"}
+    with pytest.raises(LookupError, match="enough"):
+        consimd.sweep(**long, progress=stop, out=tmp_path)
+    assert len((tmp_path / "trials.csv").read_text().splitlines()) > 1
+
+
+def test_a_folder_is_resumed_and_holds_one_study(tmp_path):
+    whole = consimd.sweep(**STUDY, out=tmp_path)
+    lines = (tmp_path / "trials.csv").read_text().splitlines(keepends=True)
+    (tmp_path / "trials.csv").write_text("".join(lines[:20]))
+    again = consimd.sweep(**STUDY, out=tmp_path)
+    assert_same_but_for_times(again.trials, whole.trials)
+    kept = (again.trials["seconds"] == whole.trials["seconds"]).sum()
+    assert 19 <= kept < 48
+    with pytest.raises(RuntimeError, match="it has trials 4, not 5"):
+        consimd.sweep(**{**STUDY, "trials": 5}, out=tmp_path)
+    assert len(consimd.sweep(**{**STUDY, "trials": 5}, out=tmp_path, fresh=True).trials) == 60
+
+
+def test_bad_arguments_are_named():
+    for options, message in (
+        ({"points": 2}, "points"),
+        ({"outliers": [1.0]}, r"outliers: expected a ratio in \[0, 1\), got 1"),
+        ({"outliers": []}, "outliers: at least one"),
+        ({"sigma": [-1.0]}, "sigma"),
+        ({"solvers": "icp"}, "icp"),
+        ({"trials": 0}, "trials"),
+        ({"threads": 0}, "threads is 0"),
+        ({"filter": "x"}, "filter is 'x'"),
+    ):
+        with pytest.raises(ValueError, match=message):
+            consimd.sweep(**{**STUDY, **options})

@@ -1,0 +1,40 @@
+"""Calls as a user's typed code makes them: `./dev python` has mypy check this file."""
+
+from __future__ import annotations
+
+from typing import assert_type
+
+import numpy as np
+from numpy.typing import NDArray
+
+import consimd
+from consimd import kernels, synth
+
+points: NDArray[np.float32] = np.zeros((10, 3), np.float32)
+problem = synth.hard_problem(correspondences=50, scene="planar")
+
+result = consimd.register(points, [[0.0, 1.0, 2.0]] * 10, 0.2, solver="ransac", max_iterations=100)
+assert_type(result, consimd.Registration)
+assert_type(result.status, consimd.Status)
+assert_type(result.pose, NDArray[np.float64])
+assert_type(result.inliers, NDArray[np.int64])
+assert_type(result.stages[0].seconds, float)
+if result.runner_up is not None:
+    assert_type(result.runner_up.support, int)
+
+rows = consimd.Correspondences(points, problem.target)
+assert_type(consimd.register(rows, noise_bound=1.0).has_pose, bool)
+assert_type(consimd.estimate_noise_bound(rows).noise_bound, float)
+assert_type(kernels.unpack_bits(kernels.pack_bits([True]), 1), NDArray[np.bool_])
+bits, counts = kernels.length_consistency_bits(rows, [1, 2], 0.5)
+total: NDArray[np.uint32] = counts
+matrix = kernels.ConsistencyMatrix(rows, 0.5, separation=1.0)
+degrees: NDArray[np.uint32] = matrix.degrees
+assert_type(synth.rotation_error_deg(result.pose, problem.pose), float)
+
+trials, cells = consimd.sweep(points=100, outliers=[0.5], sigma=[1.0], trials=2, progress=lambda done, total: None)
+recalls: NDArray[np.float64] = cells["recall"]
+
+consimd.register(points)  # type: ignore[call-overload]  # no target
+consimd.register(points, points, noise_bound="0.2")  # type: ignore[call-overload]
+kernels.alignment_counts(points, points, 1.0)  # type: ignore[arg-type]  # not a Correspondences
