@@ -168,11 +168,11 @@ Registration register_scaled(const Correspondences& correspondences, double nois
       result.scale = similarity.scale;
       result.scale_deviation = final.scale_deviation * similarity.scale;
       if (result.runner_up) result.runner_up->scale = similarity.scale;
-      const Eigen::Vector3d centre =
+      const Eigen::Vector3d lever =
           result.T_target_source.linear() * (Eigen::Vector3d(final.centre) / scaled.scale() +
                                              Eigen::Map<const Eigen::Vector3d>(scaled.source_centroid().data()));
-      result.covariance.bottomRightCorner<3, 3>() +=
-          final.scale_deviation * final.scale_deviation * centre * centre.transpose();
+      const Eigen::Vector3d shift = final.scale_deviation * lever;
+      result.covariance.bottomRightCorner<3, 3>() += shift * shift.transpose();
       add_rival(trials, best, result);
     }
   }
