@@ -2,6 +2,7 @@
 #include <filesystem>
 #include <memory>
 #include <numbers>
+#include <stdexcept>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
@@ -21,6 +22,7 @@ struct Options {
   std::size_t points = 3000;
   double outliers = 0.9;
   double sigma = 1.0;
+  double scale = 1.0;
   std::uint64_t seed = 1;
   std::uint32_t trial = 0;
   std::string out;
@@ -37,16 +39,16 @@ std::string case_json(const synth::Problem& problem) {
   for (std::size_t i = 0; i < problem.size(); ++i) {
     const Eigen::Map<const Eigen::Vector3d> source(problem.source.data() + 3 * i);
     const Eigen::Map<const Eigen::Vector3d> target(problem.target.data() + 3 * i);
-    within += (problem.T_target_source * source - target).norm() < bound;
+    within += (problem.T_target_source * (problem.scale * source) - target).norm() < bound;
   }
-  return nlohmann::ordered_json{{"dataset", "consimd noise study"},
-                                {"correspondences", problem.size()},
-                                {"noise_bound", bound},
-                                {"inliers_within_noise_bound", within},
-                                {"max_rotation_error_deg", shift / lever * 180.0 / std::numbers::pi},
-                                {"max_translation_error_m", shift}}
-             .dump(1) +
-         "\n";
+  nlohmann::ordered_json json{{"dataset", "consimd noise study"},
+                              {"correspondences", problem.size()},
+                              {"noise_bound", bound},
+                              {"inliers_within_noise_bound", within},
+                              {"max_rotation_error_deg", shift / lever * 180.0 / std::numbers::pi},
+                              {"max_translation_error_m", shift}};
+  if (problem.scale != 1.0) json["scale"] = problem.scale;
+  return json.dump(1) + "\n";
 }
 
 int run_generate(const Options& options) {
@@ -55,13 +57,17 @@ int run_generate(const Options& options) {
   checked.outlier_ratios = {options.outliers};
   checked.sigmas = {options.sigma};
   study::validate(checked);
+  if (!(options.scale > 0.0 && std::isfinite(options.scale))) {
+    throw std::invalid_argument(fmt::format("--scale: expected a finite number > 0, got {}", options.scale));
+  }
   study::require_writable_folder(options.out);
 
   const synth::Problem problem = synth::noise_study_problem({.correspondences = options.points,
                                                              .outlier_ratio = options.outliers,
                                                              .sigma = options.sigma,
                                                              .seed = options.seed,
-                                                             .trial = options.trial});
+                                                             .trial = options.trial,
+                                                             .scale = options.scale});
   synth::write_problem(problem, options.out);
   study::replace_file(std::filesystem::path(options.out) / "case.json", case_json(problem));
   fmt::print("{}: {} correspondences, noise bound {} m (3 sigma)\n", options.out, problem.size(),
@@ -78,6 +84,11 @@ void add_generate_command(CLI::App& app, Action& run) {
   command->add_option("--outliers", options->outliers, "Share of wrong correspondences, in [0, 1)")
       ->capture_default_str();
   command->add_option("--sigma", options->sigma, "Standard deviation of the inliers' noise, metres an axis")
+      ->capture_default_str();
+  command
+      ->add_option("--scale", options->scale,
+                   "Scale of the source: its points are divided by it, and pose.txt holds the rotation multiplied by "
+                   "it. Found by 'consimd register --estimate-scale'")
       ->capture_default_str();
   command->add_option("--seed", options->seed, "Seed of the study")->check(whole_number())->capture_default_str();
   command->add_option("--trial", options->trial, "Trial of the study, from 0")

@@ -28,6 +28,7 @@ struct Options {
   std::optional<double> noise_bound;
   std::string solver = "tcf";
   std::string filter = "none";
+  bool estimate_scale = false;
   std::uint64_t seed = 1;
   std::uint32_t repeat = 1;
   int threads = 1;
@@ -52,23 +53,29 @@ int run_register(const Options& options) {
                         .threads = options.threads,
                         .solver = options.solver,
                         .filter = filter_by_name(options.filter),
+                        .estimate_scale = options.estimate_scale,
                         .noise_bound = options.noise_bound};
-  std::optional<RigidTransform> truth;
-  if (!options.truth.empty()) truth = read_pose(options.truth);
+  std::optional<ScaledPose> truth;
+  if (!options.truth.empty()) {
+    truth = options.estimate_scale ? read_scaled_pose(options.truth) : ScaledPose{read_pose(options.truth)};
+  }
   const Correspondences correspondences = read_correspondences(options.file);
   report.correspondences = correspondences.size();
 
   with_threads(options.threads, [&] {
     for (std::uint32_t run = 0; run < options.repeat; ++run) {
-      report.runs.push_back(
-          register_by_name(options.solver, correspondences,
-                           {.noise_bound = options.noise_bound, .seed = options.seed + run, .filter = report.filter}));
+      report.runs.push_back(register_by_name(options.solver, correspondences,
+                                             {.noise_bound = options.noise_bound,
+                                              .seed = options.seed + run,
+                                              .filter = report.filter,
+                                              .estimate_scale = options.estimate_scale}));
     }
   });
   if (truth) {
     for (const Registration& run : report.runs) {
-      report.errors.push_back({synth::rotation_error_deg(run.T_target_source, *truth),
-                               synth::translation_error(run.T_target_source, *truth)});
+      report.errors.push_back({synth::rotation_error_deg(run.T_target_source, truth->T_target_source),
+                               synth::translation_error(run.T_target_source, truth->T_target_source),
+                               synth::scale_error(run.scale, truth->scale)});
     }
   }
 
@@ -102,13 +109,18 @@ void add_register_command(CLI::App& app, Action& run) {
       "ten times as long");
   command->add_option("--solver", options->solver, "Solver; 'consimd info' lists them")->capture_default_str();
   add_filter_option(*command, options->filter);
+  command->add_flag(
+      "--estimate-scale", options->estimate_scale,
+      "Find the scale of the source as well: x_target = R (scale * x_source) + t. Needs --noise-bound, in "
+      "the target's unit, and a solver that can (pcr99 or teaser)");
   command->add_option("--seed", options->seed, "Seed of the first run")->check(whole_number())->capture_default_str();
   command->add_option("--repeat", options->repeat, "Runs, with seeds seed, seed + 1, ...")
       ->check(whole_number(1, 1'000'000))
       ->capture_default_str();
   add_threads_option(*command, options->threads);
   command->add_option("--truth", options->truth,
-                      "File with the true pose (4 x 4 or 3 x 4, source to target): reports errors against it");
+                      "File with the true pose (4 x 4 or 3 x 4, source to target): reports errors against it. With "
+                      "--estimate-scale its rotation may be multiplied by the scale");
   command->add_option("--json", options->json,
                       "Write the result as JSON to this file, or to the standard output ('-')");
   command->footer(
@@ -118,7 +130,8 @@ void add_register_command(CLI::App& app, Action& run) {
       "  consimd register pair.txt                                           finds out how noisy it is\n"
       "  consimd register pair.txt --noise-bound 0.6                         metres, lidar clouds of 0.3 m voxels\n"
       "  consimd register pair.txt --noise-bound 0.6 --repeat 50 --truth pose.txt\n"
-      "  consimd register pair.txt --noise-bound 0.6 --json -                to the next program");
+      "  consimd register pair.txt --noise-bound 0.6 --json -                to the next program\n"
+      "  consimd register pair.txt --noise-bound 0.6 --solver pcr99 --estimate-scale   clouds in different units");
   command->callback([&run, options] { run = [options] { return run_register(*options); }; });
 }
 

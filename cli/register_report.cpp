@@ -45,14 +45,20 @@ Json run_json(const RegisterReport& report, std::size_t index) {
                {"inliers", run.inliers},
                {"seconds", run.seconds},
                {"stages", stages}};
+  if (report.estimate_scale) {
+    json["scale"] = run.scale;
+    json["scale_deviation"] = run.scale_deviation;
+  }
   if (run.runner_up) {
     json["runner_up"] = {{"support", run.runner_up->support},
                          {"log10_false_poses", run.runner_up->log10_false_poses},
                          {"T_target_source", rows_of(run.runner_up->T_target_source.matrix())}};
+    if (report.estimate_scale) json["runner_up"]["scale"] = run.runner_up->scale;
   }
   if (!report.errors.empty()) {
     json["rotation_error_deg"] = report.errors[index].rotation_deg;
     json["translation_error"] = report.errors[index].translation;
+    if (report.estimate_scale) json["scale_error"] = report.errors[index].scale;
   }
   return json;
 }
@@ -80,6 +86,10 @@ std::string run_text(const RegisterReport& report) {
   for (const PoseErrors& error : report.errors) {
     fmt::format_to(out, "errors        rotation {:.4g} deg, translation {:.4g}\n", error.rotation_deg,
                    error.translation);
+    if (report.estimate_scale) fmt::format_to(out, "              scale {:.4g} %\n", 100.0 * error.scale);
+  }
+  if (report.estimate_scale && run.has_pose()) {
+    fmt::format_to(out, "scale         {:.10g} +- {:.2g}\n", run.scale, run.scale_deviation);
   }
   if (!run.covariance.isZero(0.0)) {
     const PoseErrors deviation = deviations(run.covariance);
@@ -87,7 +97,7 @@ std::string run_text(const RegisterReport& report) {
                    deviation.rotation_deg, deviation.translation);
   }
   if (run.has_pose()) {
-    fmt::format_to(out, "T_target_source\n");
+    fmt::format_to(out, "T_target_source{}\n", report.estimate_scale ? " of the scaled source" : "");
     for (int row = 0; row < 4; ++row) {
       const Eigen::Vector4d v = run.T_target_source.matrix().row(row);
       fmt::format_to(out, "  {:24.17g} {:24.17g} {:24.17g} {:24.17g}\n", v[0], v[1], v[2], v[3]);
@@ -127,10 +137,17 @@ std::string summary_text(const RegisterReport& report) {
                  median_of(runs, [](const Registration& run) { return run.noise_bound; }));
   fmt::format_to(out, "  time        {:.3f} ms\n",
                  median_of(runs, [](const Registration& run) { return 1e3 * run.seconds; }));
+  if (report.estimate_scale) {
+    fmt::format_to(out, "  scale       {:.10g}\n", median_of(runs, [](const Registration& run) { return run.scale; }));
+  }
   if (!report.errors.empty()) {
     fmt::format_to(out, "  errors      rotation {:.4g} deg, translation {:.4g}\n",
                    median_of(report.errors, [](const PoseErrors& error) { return error.rotation_deg; }),
                    median_of(report.errors, [](const PoseErrors& error) { return error.translation; }));
+    if (report.estimate_scale) {
+      fmt::format_to(out, "              scale {:.4g} %\n",
+                     median_of(report.errors, [](const PoseErrors& error) { return 100.0 * error.scale; }));
+    }
   }
   return fmt::to_string(text);
 }
@@ -142,6 +159,7 @@ std::string to_json(const RegisterReport& report) {
       {"file", report.file},     {"correspondences", report.correspondences},
       {"isa", report.isa},       {"threads", report.threads},
       {"solver", report.solver}, {"noise_bound", report.noise_bound ? Json(*report.noise_bound) : Json(nullptr)}};
+  if (report.estimate_scale) head["estimate_scale"] = true;
   if (report.filter != Filter::none) head["filter"] = to_string(report.filter);
   std::string text = dump(head);
   text.pop_back();  // the closing brace: runs follow, each on a line of its own

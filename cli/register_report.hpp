@@ -14,6 +14,7 @@ namespace consimd::cli {
 struct PoseErrors {
   double rotation_deg = 0.0;
   double translation = 0.0;
+  double scale = 0.0;  ///< relative
 };
 
 struct RegisterReport {
@@ -23,6 +24,7 @@ struct RegisterReport {
   int threads = 1;
   std::string solver;
   Filter filter = Filter::none;
+  bool estimate_scale = false;
   std::optional<double> noise_bound = {};  ///< none: estimated in each run
   std::vector<Registration> runs = {};
   std::vector<PoseErrors> errors = {};  ///< one per run, or none without a ground truth

@@ -5,6 +5,7 @@
 #include <consimd/kernels/alignment_residuals.hpp>
 #include <consimd/kernels/angle_consistency.hpp>
 #include <consimd/kernels/length_consistency.hpp>
+#include <consimd/kernels/length_ratio.hpp>
 #include <consimd/kernels/rigid_moments.hpp>
 #include <consimd/kernels/three_point_fit.hpp>
 
@@ -12,6 +13,7 @@ namespace consimd::bench {
 namespace {
 
 constexpr std::size_t kAnySize = 100'000;
+constexpr double kRatioBound = 0.1;
 constexpr std::size_t kMatrixSize = 10'000;  // beyond it the matrix leaves the caches that a registration can count on
 
 std::size_t tests(const Workload& w) { return kBatch * w.size(); }
@@ -32,6 +34,26 @@ Call length_bits(const Workload& w) {
     out.counts.resize(kBatch);
     out.bits.resize(kBatch * w.chosen.size());
     length_consistency_bits(w.correspondences, w.seeds, w.consistency_bound, out.bits, out.counts);
+  };
+}
+
+Call disagreement(const Workload& w) {
+  return [&w](Outcome& out) {
+    out.sums.resize(kBatch);
+    length_disagreement(w.correspondences, w.seeds, w.noise_bound, kRatioBound, out.sums);
+  };
+}
+
+/// Lows before highs; what is no number, the padding and the seed itself, left out.
+Call intervals(const Workload& w) {
+  return [&w](Outcome& out) {
+    const std::size_t padded = w.chosen.size() * kBlock;
+    out.sums.resize(2 * padded);
+    scale_intervals(w.correspondences, w.seeds.front(), w.noise_bound, std::span(out.sums).first(padded),
+                    std::span(out.sums).subspan(padded));
+    const std::uint32_t seed = w.seeds.front();
+    out.sums[seed] = out.sums[padded + seed] = 0.0F;
+    for (std::size_t j = w.size(); j < padded; ++j) out.sums[j] = out.sums[padded + j] = 0.0F;
   };
 }
 
@@ -110,6 +132,13 @@ Call separated_matrix(const Workload& w) {
   };
 }
 
+Call ratio_matrix(const Workload& w) {
+  return [&w](Outcome& out) {
+    out.matrix.compute_ratio(w.correspondences, w.consistency_bound, kRatioBound);
+    out.counts.assign(out.matrix.degrees().begin(), out.matrix.degrees().end());
+  };
+}
+
 Call matrix_rows(const Workload& w) {
   const auto graph = std::make_shared<ConsistencyMatrix>();
   graph->compute(w.correspondences, w.consistency_bound);
@@ -134,6 +163,8 @@ const std::vector<Kernel>& kernels() {
   static const std::vector<Kernel> list{
       {"length_consistency_counts", "pairs", tests, kAnySize, length_counts},
       {"length_consistency_bits", "pairs", tests, kAnySize, length_bits},
+      {"length_disagreement", "pairs", tests, kAnySize, disagreement},
+      {"scale_intervals", "pairs", correspondences, kAnySize, intervals},
       {"angle_consistency_counts", "triples", tests, kAnySize, angle_counts},
       {"angle_consistency_bits", "triples", tests, kAnySize, angle_bits},
       {"alignment_counts", "residuals", tests, kAnySize, pose_counts},
@@ -147,6 +178,7 @@ const std::vector<Kernel>& kernels() {
       {"three_point_fits", "fits", correspondences, kAnySize, minimal_fits},
       {"consistency_matrix", "distinct pairs", distinct_pairs, kMatrixSize, matrix},
       {"separated_matrix", "distinct pairs", distinct_pairs, kMatrixSize, separated_matrix},
+      {"ratio_matrix", "distinct pairs", distinct_pairs, kMatrixSize, ratio_matrix},
       {"and_popcount_rows", "bits", row_bits, kMatrixSize, matrix_rows},
       {"masked_row_sums", "bits", matrix_bits, kMatrixSize, masked_sums},
   };

@@ -30,6 +30,13 @@ void ConsistencyMatrix::compute_separated(const CorrespondenceView& view, double
   detail::active_table().separated_matrix(detail::raw_view(view), bounds, storage_.data(), degrees_.data());
 }
 
+void ConsistencyMatrix::compute_ratio(const CorrespondenceView& view, double bound, double ratio_bound) {
+  const detail::RatioBounds bounds{detail::working_length(view, bound, "bound"),
+                                   detail::ratio_bound(ratio_bound, "ratio_bound")};
+  resize(view);
+  detail::active_table().ratio_matrix(detail::raw_view(view), bounds, storage_.data(), degrees_.data());
+}
+
 void ConsistencyMatrix::resize(const CorrespondenceView& view) {
   size_ = view.size();
   words_ = view.words();

@@ -111,6 +111,32 @@ Correspondences Correspondences::subset(std::span<const std::uint32_t> rows) con
   return chosen;
 }
 
+Correspondences Correspondences::with_scaled_source(double factor) const {
+  if (!(factor > 0.0) || !std::isfinite(factor)) {
+    throw std::invalid_argument("factor is " + std::to_string(factor) + ", expected a finite number above 0");
+  }
+  double largest = 0.0;
+  for (std::size_t c = 0; c < 6; ++c) {
+    const double of_cloud = c < 3 ? factor : 1.0;
+    for (std::size_t i = 0; i < size_; ++i) {
+      largest = std::max(largest, of_cloud * std::abs(static_cast<double>(data_[c * padded_ + i])));
+    }
+  }
+  Correspondences scaled;
+  scaled.source_centroid_ = source_centroid_;
+  for (double& x : scaled.source_centroid_) x *= factor;
+  scaled.target_centroid_ = target_centroid_;
+  scaled.scale_ = working_scale(largest / scale_);
+  scaled.allocate(size_);
+  const double resized = scaled.scale_ / scale_;
+  for (std::size_t c = 0; c < 6; ++c) {
+    const double of_cloud = c < 3 ? resized * factor : resized;
+    std::transform(data_.get() + c * padded_, data_.get() + c * padded_ + size_, scaled.data_.get() + c * padded_,
+                   [of_cloud](float x) { return static_cast<float>(static_cast<double>(x) * of_cloud); });
+  }
+  return scaled;
+}
+
 void Correspondences::assign_subset(const Correspondences& parent, std::span<const std::uint32_t> rows) {
   assign_pairs(parent, rows, rows);
 }

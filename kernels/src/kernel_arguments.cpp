@@ -22,6 +22,14 @@ float working_length(const CorrespondenceView& view, double length, std::string_
   return static_cast<float>(std::clamp(length * view.scale(), 1e-9, 16.0));
 }
 
+float ratio_bound(double ratio, std::string_view name) {
+  if (!(ratio > 0.0 && ratio < 1.0)) {
+    throw std::invalid_argument(std::string(name) + " is " + std::to_string(ratio) +
+                                ", expected a share between 0 and 1, both excluded");
+  }
+  return static_cast<float>(std::max(ratio, 1e-9));
+}
+
 void require_size(std::string_view name, std::size_t got, std::size_t expected) {
   if (got == expected) return;
   throw std::invalid_argument(std::string(name) + " has " + std::to_string(got) + " elements, expected " +

@@ -19,6 +19,9 @@ RawView raw_view(const CorrespondenceView& view) noexcept;
 /// fourth power stays a normal number in between.
 float working_length(const CorrespondenceView& view, double length, std::string_view name);
 
+/// Throws std::invalid_argument unless `ratio` lies between 0 and 1, both excluded.
+float ratio_bound(double ratio, std::string_view name);
+
 /// Throws std::invalid_argument unless got == expected.
 void require_size(std::string_view name, std::size_t got, std::size_t expected);
 

@@ -32,6 +32,12 @@ struct SeparatedBounds {
   float separation;  ///< below their sum
 };
 
+/// Of pairs whose lengths are compared both ways.
+struct RatioBounds {
+  float bound;  ///< on the difference of the two lengths
+  float ratio;  ///< on that of their squares, as a share of the squares' sum
+};
+
 /// Every pointer is set in every table. Lengths are in the working frame; batches may be empty; `bits` rows are
 /// padded/64 words. No function allocates, throws or reads beyond `padded` floats.
 struct KernelTable {
@@ -54,6 +60,7 @@ struct KernelTable {
   /// bits: view.size rows of padded/64 words, those of length_bits, written whole; degrees: view.size.
   void (*consistency_matrix)(const RawView&, float bound, std::uint64_t* bits, std::uint32_t* degrees);
   void (*separated_matrix)(const RawView&, SeparatedBounds, std::uint64_t* bits, std::uint32_t* degrees);
+  void (*ratio_matrix)(const RawView&, RatioBounds, std::uint64_t* bits, std::uint32_t* degrees);
   std::uint32_t (*and_popcount)(const std::uint64_t* a, const std::uint64_t* b, std::size_t words);
   /// counts[r] = popcount(set & row rows[r]), rows of `words` words.
   void (*and_popcount_rows)(const std::uint64_t* matrix, std::size_t words, const std::uint64_t* set,
@@ -61,6 +68,9 @@ struct KernelTable {
   /// sums[r] = sum of values[j] over the ones j of row r. n rows of `words` words; values: 64 * words.
   void (*masked_row_sums)(const std::uint64_t* rows, std::size_t words, std::size_t n, const float* values,
                           float* sums);
+  void (*length_disagreement)(const RawView&, const std::uint32_t* seeds, std::size_t n, RatioBounds, float* costs);
+  /// lows, highs: view.padded floats.
+  void (*scale_intervals)(const RawView&, std::uint32_t seed, float bound, float* lows, float* highs);
 };
 
 }  // namespace consimd::detail

@@ -94,6 +94,22 @@ void separated_matrix(const RawView& view, detail::SeparatedBounds bounds, std::
   }
 }
 
+// ---- Length ratios.
+
+void ratio_matrix(const RawView& view, detail::RatioBounds bounds, std::uint64_t* bits, std::uint32_t* degrees) {
+  for (std::uint32_t i = 0; i < view.size; ++i) {
+    const auto consistent = length_consistent_with(view, i, bounds.bound);
+    const auto alike_and_consistent = [&](std::size_t j) {
+      const Point dp = source(view, j) - source(view, i);
+      const Point dq = target(view, j) - target(view, i);
+      const float a = dot(dp, dp);
+      const float b = dot(dq, dq);
+      return consistent(j) && std::fabs(b - a) < bounds.ratio * (a + b);
+    };
+    degrees[i] = write_bits(view, alike_and_consistent, bits + i * (view.padded / 64));
+  }
+}
+
 // ---- Angle consistency: the derivation is in angle_consistency.hpp.
 
 auto angle_consistent_with(const RawView& view, IndexPair pair, float bound) {
@@ -203,6 +219,39 @@ void alignment_scores(const RawView& view, const WorkingPose* poses, std::size_t
       ++count;
     }
     support[h] = {count, static_cast<float>(count) - residuals.total() / squared};
+  }
+}
+
+// ---- Length ratios, as sums and as scales.
+
+void length_disagreement(const RawView& view, const std::uint32_t* seeds, std::size_t n, detail::RatioBounds bounds,
+                         float* costs) {
+  for (std::size_t s = 0; s < n; ++s) {
+    InterleavedSum sum;
+    for (std::size_t j = 0; j < view.size; ++j) {
+      const Point dp = source(view, j) - source(view, seeds[s]);
+      const Point dq = target(view, j) - target(view, seeds[s]);
+      const float a = dot(dp, dp);
+      const float b = dot(dq, dq);
+      const float by_ratio = bounds.ratio * (a + b);
+      const float by_length = bounds.bound * (std::sqrt(a) + std::sqrt(b));
+      const float limit = by_ratio < by_length ? by_ratio : by_length;
+      if (!(limit > 0.0f)) continue;
+      const float share = std::fabs(b - a) / limit;
+      sum.add(j, share < 1.0f ? share : 1.0f);
+    }
+    costs[s] = sum.total();
+  }
+}
+
+void scale_intervals(const RawView& view, std::uint32_t seed, float bound, float* lows, float* highs) {
+  for (std::size_t j = 0; j < view.padded; ++j) {
+    const Point dp = source(view, j) - source(view, seed);
+    const Point dq = target(view, j) - target(view, seed);
+    const float inverse = 1.0f / std::sqrt(dot(dp, dp));
+    const float length = std::sqrt(dot(dq, dq));
+    lows[j] = (length - bound > 0.0f ? length - bound : 0.0f) * inverse;
+    highs[j] = (length + bound) * inverse;
   }
 }
 
@@ -384,9 +433,10 @@ void masked_row_sums(const std::uint64_t* rows, std::size_t words, std::size_t n
 
 const detail::KernelTable& table() noexcept {
   static constexpr detail::KernelTable kTable{
-      length_counts,      length_bits,         angle_counts,     angle_bits,        alignment_counts, alignment_scores,
-      alignment_bits,     alignment_residuals, weighted_moments, subset_moments,    robust_moments,   three_point_fits,
-      consistency_matrix, separated_matrix,    and_popcount,     and_popcount_rows, masked_row_sums};
+      length_counts,    length_bits,       angle_counts,        angle_bits,          alignment_counts,
+      alignment_scores, alignment_bits,    alignment_residuals, weighted_moments,    subset_moments,
+      robust_moments,   three_point_fits,  consistency_matrix,  separated_matrix,    ratio_matrix,
+      and_popcount,     and_popcount_rows, masked_row_sums,     length_disagreement, scale_intervals};
   return kTable;
 }
 

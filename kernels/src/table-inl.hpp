@@ -7,6 +7,7 @@
 #include "consistency_matrix-inl.hpp"
 #include "kernel_table.hpp"
 #include "length_consistency-inl.hpp"
+#include "length_ratio-inl.hpp"
 #include "rigid_moments-inl.hpp"
 #include "three_point_fit-inl.hpp"
 
@@ -35,9 +36,12 @@ inline constexpr KernelTable kTable{
     .three_point_fits = three_point_fits<Arch>,
     .consistency_matrix = consistency_matrix<Arch, LengthTest<Arch>, float>,
     .separated_matrix = consistency_matrix<Arch, SeparatedLengthTest<Arch>, SeparatedBounds>,
+    .ratio_matrix = consistency_matrix<Arch, LengthRatioTest<Arch>, RatioBounds>,
     .and_popcount = and_popcount<Arch>,
     .and_popcount_rows = and_popcount_rows<Arch>,
     .masked_row_sums = masked_row_sums<Arch>,
+    .length_disagreement = length_disagreement<Arch>,
+    .scale_intervals = scale_intervals<Arch>,
 };
 
 }  // namespace consimd::detail

@@ -17,7 +17,8 @@ enum class RandomStage : std::uint32_t {
   background = 5,
   pairing = 6,
   matrix_sample = 7,
-  sparsification = 8
+  sparsification = 8,
+  scale_voters = 9
 };
 
 class CounterRandom {

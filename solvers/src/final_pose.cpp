@@ -59,7 +59,12 @@ FinalPose finish(const Correspondences& correspondences, const TcfOptions& optio
     refined.sigma = kSigmaPerBound * tau;
   }
   const WorkingPose pose = to_working_pose(refined.fit.pose);
-  FinalPose final{refined.fit.pose, pose_inliers(view, pose, tau), 0.0, 0.0, refined.rounds, refined.covariance};
+  FinalPose final{.pose = refined.fit.pose,
+                  .inliers = pose_inliers(view, pose, tau),
+                  .rounds = refined.rounds,
+                  .covariance = refined.covariance,
+                  .scale_deviation = refined.scale_deviation,
+                  .centre = refined.centre};
   final.rotation_deviation = rotation_deviation(view, pose, tau, refined.sigma);
   const Significance closed_form =
       glance ? *glance : significance(correspondences, best.pose, options.noise_bound, options.seed);

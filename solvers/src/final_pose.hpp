@@ -23,6 +23,9 @@ struct FinalPose {
   double log10_false_poses = 0.0;
   std::uint32_t rounds = 0;
   PoseCovariance covariance = PoseCovariance::Zero();
+  double scale_deviation = 0.0;  ///< if the scale was unknown, relative to it
+  Eigen::Matrix<double, 3, 1, Eigen::DontAlign> centre =
+      Eigen::Matrix<double, 3, 1, Eigen::DontAlign>::Zero();  ///< of the supporters' sources, working frame
 };
 
 /// A registration that says what is used and has no result yet.

@@ -40,22 +40,49 @@ double variance_factor(const RobustWeight& weight) {
   return 9.0 * sum * sum / (squares * weighted_squares);
 }
 
+/// Of a residual of unit weight, per axis.
+double residual_variance(const RigidMoments& moments, const RobustWeight& weight) {
+  const double w = moments.weight;
+  const double mean_square = std::max(moments.residual / (3.0 * w), kResolution * kResolution);
+  return mean_square * variance_factor(weight) * 3.0 * w / std::max(3.0 * w - 8.0, 1.0);
+}
+
+/// Of the sources about their mean.
+Eigen::Matrix3d source_scatter(const RigidMoments& moments) {
+  const double* s = moments.source_scatter;
+  const Eigen::Vector3d centroid = Eigen::Map<const Eigen::Vector3d>(moments.source) / moments.weight;
+  Eigen::Matrix3d scatter;
+  scatter << s[0], s[1], s[2], s[1], s[3], s[4], s[2], s[4], s[5];
+  return scatter - moments.weight * centroid * centroid.transpose();
+}
+
 }  // namespace
+
+ScaleFit fit_scale(const RigidMoments& moments, const RobustWeight& weight, const RigidTransform& pose) {
+  ScaleFit fit;
+  if (!(moments.weight > 0.0)) return fit;
+  const Eigen::Vector3d source = Eigen::Map<const Eigen::Vector3d>(moments.source) / moments.weight;
+  const Eigen::Vector3d target = Eigen::Map<const Eigen::Vector3d>(moments.target) / moments.weight;
+  const Eigen::Matrix3d cross = Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>(moments.cross) -
+                                moments.weight * target * source.transpose();
+  const double extent = source_scatter(moments).trace();
+  fit.centre = source;
+  if (!(extent > moments.weight * kResolution * kResolution)) return fit;
+  fit.scale = pose.linear().cwiseProduct(cross).sum() / extent;
+  fit.deviation = std::sqrt(residual_variance(moments, weight) / extent);
+  return fit;
+}
 
 PoseCovariance fit_covariance(const RigidMoments& moments, const RobustWeight& weight, const RigidTransform& pose,
                               const Correspondences& frame) {
   PoseCovariance covariance = PoseCovariance::Zero();
   const double w = moments.weight;
   if (!(w > 0.0)) return covariance;
-  const double mean_square = std::max(moments.residual / (3.0 * w), kResolution * kResolution);
-  const double variance = mean_square * variance_factor(weight) * 3.0 * w / std::max(3.0 * w - 8.0, 1.0);
+  const double variance = residual_variance(moments, weight);
 
   // About the weighted centroid rotation and translation are independent.
-  const double* s = moments.source_scatter;
   const Eigen::Vector3d centroid = Eigen::Map<const Eigen::Vector3d>(moments.source) / w;
-  Eigen::Matrix3d scatter;
-  scatter << s[0], s[1], s[2], s[1], s[3], s[4], s[2], s[4], s[5];
-  scatter -= w * centroid * centroid.transpose();
+  const Eigen::Matrix3d scatter = source_scatter(moments);
   const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> axes(scatter);
   const Eigen::Vector3d information = (scatter.trace() - axes.eigenvalues().array()).max(w * kResolution * kResolution);
   const Eigen::Matrix3d target_axes = pose.linear() * axes.eigenvectors();

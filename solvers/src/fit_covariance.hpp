@@ -20,4 +20,14 @@ namespace consimd::detail {
 PoseCovariance fit_covariance(const RigidMoments& moments, const RobustWeight& weight, const RigidTransform& pose,
                               const Correspondences& frame);
 
+/// The scale of the sources about `centre`, their weighted mean, that fits the same moments best in the least-squares
+/// sense, and its standard deviation as above. About that mean it is independent of rotation and translation. Working
+/// frame. 1 and 0 if the moments have no weight or no extent.
+struct ScaleFit {
+  double scale = 1.0;
+  double deviation = 0.0;
+  Eigen::Matrix<double, 3, 1, Eigen::DontAlign> centre = Eigen::Matrix<double, 3, 1, Eigen::DontAlign>::Zero();
+};
+ScaleFit fit_scale(const RigidMoments& moments, const RobustWeight& weight, const RigidTransform& pose);
+
 }  // namespace consimd::detail

@@ -26,10 +26,11 @@ constexpr int kMostOptimised = 32;
 }  // namespace
 
 std::optional<std::size_t> select_pose(const Correspondences& correspondences, std::span<const WorkingPose> hypotheses,
-                                       double noise_bound, PoseRanking ranking, BestPoses& poses) {
+                                       double noise_bound, PoseRanking ranking, BestPoses& poses,
+                                       double ranking_tolerance) {
   std::vector<PoseSupport> support(hypotheses.size());
   tbb::parallel_for(tbb::blocked_range<std::size_t>(0, hypotheses.size(), kPosesPerTask), [&](const auto& range) {
-    alignment_scores(correspondences, hypotheses.subspan(range.begin(), range.size()), noise_bound,
+    alignment_scores(correspondences, hypotheses.subspan(range.begin(), range.size()), ranking_tolerance * noise_bound,
                      std::span(support).subspan(range.begin(), range.size()));
   });
   const auto rank = [&](std::size_t h) {
@@ -47,7 +48,11 @@ std::optional<std::size_t> select_pose(const Correspondences& correspondences, s
   int optimised = 0;
   for (const std::size_t h : promising) {
     if (optimised >= kAlwaysOptimised && poses.same_motion_as_best(hypotheses[h])) continue;
-    if (poses.offer(locally_optimise(correspondences, {hypotheses[h], support[h]}, noise_bound))) chosen = h;
+    PoseCandidate candidate{hypotheses[h], support[h]};
+    if (ranking_tolerance != 1.0) {
+      alignment_scores(correspondences, std::span(&candidate.pose, 1), noise_bound, std::span(&candidate.support, 1));
+    }
+    if (poses.offer(locally_optimise(correspondences, candidate, noise_bound))) chosen = h;
     if (++optimised == kMostOptimised) break;
   }
   return chosen;

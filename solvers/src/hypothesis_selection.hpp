@@ -16,7 +16,9 @@ namespace consimd::detail {
 /// Ranks the hypotheses by their support among all correspondences (ties: the first), refits the best ones, and those
 /// that are other motions, to their supporters, and offers these to `poses`, whose score decides then. Returns the
 /// position of the one that the best pose came from; none when no hypothesis is better than the best pose before.
+/// The support that ranks counts residuals below `ranking_tolerance` noise bounds.
 std::optional<std::size_t> select_pose(const Correspondences& correspondences, std::span<const WorkingPose> hypotheses,
-                                       double noise_bound, PoseRanking ranking, BestPoses& poses);
+                                       double noise_bound, PoseRanking ranking, BestPoses& poses,
+                                       double ranking_tolerance = 1.0);
 
 }  // namespace consimd::detail

@@ -14,14 +14,14 @@ namespace {
 // A sample of fewer rows than this tells little of thousands.
 constexpr std::size_t kLeastRows = 256;
 
+}  // namespace
+
 std::size_t rows_within(std::size_t budget_bytes, std::size_t matrices) {
   const double bits = 8.0 * static_cast<double>(budget_bytes) / static_cast<double>(matrices);
   auto rows = static_cast<std::size_t>(std::sqrt(bits));
   while (matrices * ConsistencyMatrix::memory_bytes(rows) > budget_bytes) --rows;
   return rows;
 }
-
-}  // namespace
 
 void require_matrix_budget(std::size_t budget_bytes, std::size_t matrices) {
   const std::size_t least = matrices * ConsistencyMatrix::memory_bytes(kLeastRows);

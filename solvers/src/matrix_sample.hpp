@@ -12,6 +12,9 @@ namespace consimd::detail {
 /// Throws std::invalid_argument when `matrices` of a few hundred rows would not fit the budget.
 void require_matrix_budget(std::size_t budget_bytes, std::size_t matrices);
 
+/// Rows that `matrices` of their bit matrices fit the budget with.
+std::size_t rows_within(std::size_t budget_bytes, std::size_t matrices);
+
 /// All rows, or a random sample of as many as `matrices` of their bit matrices fit the budget, ascending.
 class MatrixSample {
  public:

@@ -91,6 +91,10 @@ RefinedPose refine_within(const Correspondences& correspondences, const WorkingP
   refined.outlier_density = mixture.outlier_density;
   refined.inliers = mixture.inliers;
   refined.covariance = detail::fit_covariance(moments, weight, refined.fit.pose, correspondences);
+  const detail::ScaleFit scale = detail::fit_scale(moments, weight, refined.fit.pose);
+  refined.scale = scale.scale;
+  refined.scale_deviation = scale.deviation;
+  refined.centre = scale.centre;
   return refined;
 }
 

@@ -7,6 +7,7 @@
 
 #include <consimd/solvers/mac.hpp>
 #include <consimd/solvers/noise_bound.hpp>
+#include <consimd/solvers/pcr99.hpp>
 #include <consimd/solvers/ransac.hpp>
 #include <consimd/solvers/sc2_pcr.hpp>
 #include <consimd/solvers/tcf.hpp>
@@ -28,13 +29,19 @@ constexpr SolverInfo kInfos[] = {
     {"ransac-50k", "the same with 50 000 samples, never fewer"},
     {"sc2_pcr", "second-order spatial compatibility: consensus sets of confident seeds"},
     {"turboreg", "three-cliques of the edges with most common neighbours"},
+    {"pcr99", "triples in the order of how well their pairs agree in length with all others; known or unknown scale",
+     true},
     {"teaser",
-     "maximum clique of pairs that agree in length, rotation by graduated non-convexity, translation by votes"},
+     "maximum clique of pairs that agree in length, rotation by graduated non-convexity, translation by votes; known "
+     "or "
+     "unknown scale",
+     true},
     {"mac", "poses of the heaviest maximal cliques of compatible correspondences, the best by its score on all"},
 };
 
-Registration run(std::string_view solver, const Correspondences& correspondences, double noise_bound,
-                 std::uint32_t bounds_tried, std::uint64_t seed) {
+Registration run_on(std::string_view solver, const Correspondences& correspondences, double noise_bound,
+                    std::uint32_t bounds_tried, const SolverOptions& asked) {
+  const std::uint64_t seed = asked.seed;
   if (solver.starts_with("ransac")) {
     RansacOptions options{.noise_bound = noise_bound, .seed = seed, .bounds_tried = bounds_tried};
     if (solver != "ransac") {
@@ -49,8 +56,17 @@ Registration run(std::string_view solver, const Correspondences& correspondences
   if (solver == "turboreg") {
     return register_turboreg(correspondences, {.noise_bound = noise_bound, .seed = seed, .bounds_tried = bounds_tried});
   }
+  if (solver == "pcr99") {
+    return register_pcr99(correspondences, {.noise_bound = noise_bound,
+                                            .seed = seed,
+                                            .estimate_scale = asked.estimate_scale,
+                                            .bounds_tried = bounds_tried});
+  }
   if (solver == "teaser") {
-    return register_teaser(correspondences, {.noise_bound = noise_bound, .seed = seed, .bounds_tried = bounds_tried});
+    return register_teaser(correspondences, {.noise_bound = noise_bound,
+                                             .seed = seed,
+                                             .estimate_scale = asked.estimate_scale,
+                                             .bounds_tried = bounds_tried});
   }
   if (solver == "mac") {
     return register_mac(correspondences, {.noise_bound = noise_bound, .seed = seed, .bounds_tried = bounds_tried});
@@ -85,18 +101,40 @@ Filter filter_by_name(std::string_view name) {
   throw std::invalid_argument("filter is '" + std::string(name) + "', expected one of: " + known);
 }
 
+namespace {
+
+void require_scale_can_be_estimated(const SolverInfo& info, const SolverOptions& options) {
+  if (!info.estimates_scale) {
+    std::string able;
+    for (const SolverInfo& other : kInfos) {
+      if (other.estimates_scale) able.append(able.empty() ? "" : ", ").append(other.name);
+    }
+    throw std::invalid_argument("estimate_scale: solver '" + std::string(info.name) +
+                                "' needs a known scale, expected one of: " + able);
+  }
+  if (!options.noise_bound) throw std::invalid_argument("estimate_scale: needs a noise_bound");
+  if (options.filter != Filter::none) {
+    throw std::invalid_argument("estimate_scale: filter '" + std::string(to_string(options.filter)) +
+                                "' needs a known scale, expected none");
+  }
+}
+
+}  // namespace
+
 std::span<const SolverInfo> solvers() noexcept { return kInfos; }
 
 Registration register_by_name(std::string_view solver, const Correspondences& correspondences,
                               const SolverOptions& options) {
-  if (std::ranges::find(kInfos, solver, &SolverInfo::name) == std::end(kInfos)) {
+  const auto info = std::ranges::find(kInfos, solver, &SolverInfo::name);
+  if (info == std::end(kInfos)) {
     std::string known;
-    for (const SolverInfo& info : kInfos) known.append(known.empty() ? "" : ", ").append(info.name);
+    for (const SolverInfo& other : kInfos) known.append(known.empty() ? "" : ", ").append(other.name);
     throw std::invalid_argument("solver is '" + std::string(solver) + "', expected one of: " + known);
   }
+  if (options.estimate_scale) require_scale_can_be_estimated(*info, options);
   return register_with(
       [&](const Correspondences& rows, double noise_bound, std::uint32_t bounds_tried) {
-        return run(solver, rows, noise_bound, bounds_tried, options.seed);
+        return run_on(solver, rows, noise_bound, bounds_tried, options);
       },
       correspondences, options);
 }

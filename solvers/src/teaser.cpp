@@ -13,6 +13,7 @@
 #include "consensus_search.hpp"
 #include "final_pose.hpp"
 #include "option_checks.hpp"
+#include "scaled_registration.hpp"
 #include "set_poses.hpp"
 #include "stage_clock.hpp"
 
@@ -125,10 +126,7 @@ void look_for_rival(const Correspondences& correspondences, const TeaserOptions&
   poses.offer(estimate(correspondences, rows, options).candidate);
 }
 
-}  // namespace
-
-Registration register_teaser(const Correspondences& correspondences, const TeaserOptions& options) {
-  detail::require_length("noise_bound", options.noise_bound);
+Registration register_at_known_scale(const Correspondences& correspondences, const TeaserOptions& options) {
   Registration result = detail::start_registration(options.noise_bound, options.seed);
   const detail::StageClock clock(result.seconds);
   const std::size_t size = correspondences.size();
@@ -136,8 +134,6 @@ Registration register_teaser(const Correspondences& correspondences, const Tease
     result.status = Status::too_few_correspondences;
     return result;
   }
-  detail::require_whole_matrix(options.matrix_budget_bytes, size);
-
   StageReport selection_report{"maximum_clique", size};
   Selected selected;
   {
@@ -181,6 +177,21 @@ Registration register_teaser(const Correspondences& correspondences, const Tease
   refinement_report.iterations = final.rounds;
   result.stages.push_back(refinement_report);
   return result;
+}
+
+}  // namespace
+
+Registration register_teaser(const Correspondences& correspondences, const TeaserOptions& options) {
+  detail::require_length("noise_bound", options.noise_bound);
+  detail::require_whole_matrix(options.matrix_budget_bytes, correspondences.size());
+  if (!options.estimate_scale) return register_at_known_scale(correspondences, options);
+  return detail::register_scaled(correspondences, options.noise_bound, options.bounds_tried, options.seed,
+                                 options.refine ? detail::Refinement::full : detail::Refinement::none,
+                                 [&](const Correspondences& scaled, std::uint32_t tried) {
+                                   TeaserOptions known = options;
+                                   known.bounds_tried = tried;
+                                   return register_at_known_scale(scaled, known);
+                                 });
 }
 
 }  // namespace consimd

@@ -65,6 +65,7 @@ void require_valid(const HardProblemOptions& o) {
     require(std::isfinite(o.target_offset[axis]), "target_offset", o.target_offset[axis], "a finite number");
   }
   require(finite_above(0.0, o.units_per_metre), "units_per_metre", o.units_per_metre, "a finite number > 0");
+  require(finite_above(0.0, o.scale), "scale", o.scale, "a finite number > 0");
 }
 
 RowCounts row_counts(const HardProblemOptions& o) {
@@ -261,8 +262,8 @@ class Generator {
     problem.target.reserve(3 * rows_.size());
     problem.is_inlier.reserve(rows_.size());
     for (const Row& row : rows_) {
-      append(problem.source, row.source, source_offset);
-      append(problem.target, row.target, target_offset);
+      append(problem.source, row.source, source_offset, options_.scale);
+      append(problem.target, row.target, target_offset, 1.0);
       problem.is_inlier.push_back(row.is_inlier ? 1 : 0);
     }
     const auto in_frame_of_rows = [&](RigidTransform pose) {
@@ -272,15 +273,17 @@ class Generator {
     };
     problem.T_target_source = in_frame_of_rows(true_motion_);
     problem.decoy_T_target_source = in_frame_of_rows(decoy_motion_);
+    problem.scale = options_.scale;
     problem.sigma = options_.units_per_metre * options_.sigma;
     return problem;
   }
 
-  void append(std::vector<double>& cloud, const Eigen::Vector3d& point, const Eigen::Vector3d& offset) const {
+  void append(std::vector<double>& cloud, const Eigen::Vector3d& point, const Eigen::Vector3d& offset,
+              double divisor) const {
     for (Eigen::Index axis = 0; axis < 3; ++axis) {
       double x = point[axis];
       if (options_.quantum > 0.0) x = options_.quantum * std::round(x / options_.quantum);
-      cloud.push_back(options_.units_per_metre * (x + offset[axis]));
+      cloud.push_back(options_.units_per_metre * (x + offset[axis]) / divisor);
     }
   }
 

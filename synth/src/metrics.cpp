@@ -22,13 +22,14 @@ struct InlierPoints {
   Eigen::Matrix3Xd target;
 };
 
-InlierPoints inlier_points(const Problem& problem) {
+/// Sources multiplied by the scale.
+InlierPoints inlier_points(const Problem& problem, double scale) {
   const auto count = static_cast<Eigen::Index>(std::ranges::count(problem.is_inlier, 1));
   InlierPoints points{Eigen::Matrix3Xd(3, count), Eigen::Matrix3Xd(3, count)};
   Eigen::Index column = 0;
   for (std::size_t k = 0; k < problem.size(); ++k) {
     if (problem.is_inlier[k] == 0) continue;
-    points.source.col(column) = Eigen::Map<const Eigen::Vector3d>(&problem.source[3 * k]);
+    points.source.col(column) = scale * Eigen::Map<const Eigen::Vector3d>(&problem.source[3 * k]);
     points.target.col(column) = Eigen::Map<const Eigen::Vector3d>(&problem.target[3 * k]);
     ++column;
   }
@@ -46,8 +47,10 @@ double translation_error(const RigidTransform& estimate, const RigidTransform& t
   return (estimate.translation() - truth.translation()).norm();
 }
 
-double rmse_true_inliers(const Problem& problem, const RigidTransform& estimate) {
-  const InlierPoints points = inlier_points(problem);
+double scale_error(double estimate, double truth) { return std::abs(estimate / truth - 1.0); }
+
+double rmse_true_inliers(const Problem& problem, const RigidTransform& estimate, double scale) {
+  const InlierPoints points = inlier_points(problem, scale);
   if (points.source.cols() == 0) return kNaN;
   const Eigen::Matrix3Xd residuals =
       ((estimate.linear() * points.source).colwise() + estimate.translation()) - points.target;
@@ -72,7 +75,7 @@ InlierQuality inlier_quality(const Problem& problem, std::span<const std::uint32
 
 RigidTransform oracle(const Problem& problem) {
   RigidTransform pose;
-  const InlierPoints points = inlier_points(problem);
+  const InlierPoints points = inlier_points(problem, problem.scale);
   if (points.source.cols() == 0) {
     pose.matrix().setConstant(kNaN);
   } else {

@@ -11,7 +11,8 @@ Problem noise_study_problem(const NoiseStudyOptions& options) {
                        .sigma = options.sigma,
                        .half_extent = options.half_extent,
                        .seed = options.seed,
-                       .trial = options.trial});
+                       .trial = options.trial,
+                       .scale = options.scale});
 }
 
 }  // namespace consimd::synth

@@ -75,8 +75,9 @@ std::string correspondences_text(const Problem& problem) {
   return text;
 }
 
-std::string pose_text(const RigidTransform& pose) {
-  const Eigen::Matrix<double, 4, 4, Eigen::RowMajor> rows = pose.matrix();
+std::string pose_text(const RigidTransform& pose, double scale) {
+  Eigen::Matrix<double, 4, 4, Eigen::RowMajor> rows = pose.matrix();
+  rows.topLeftCorner<3, 3>() *= scale;
   std::string text;
   for (std::size_t row = 0; row < 4; ++row) {
     append_row(text, std::span(rows.data() + 4 * row, 4));
@@ -99,7 +100,7 @@ void write_problem(const Problem& problem, const fs::path& folder) {
   if (error) throw std::runtime_error("cannot make folder " + folder.string() + ": " + error.message());
 
   PendingFile correspondences(folder / "correspondences.txt", correspondences_text(problem));
-  PendingFile pose(folder / "pose.txt", pose_text(problem.T_target_source));
+  PendingFile pose(folder / "pose.txt", pose_text(problem.T_target_source, problem.scale));
   PendingFile labels(folder / "labels.txt", labels_text(problem));
   correspondences.commit();
   pose.commit();

@@ -39,6 +39,32 @@ class Register(CommandTest):
         self.assertNotIn("filter", self.json(file, "--noise-bound", 0.3, "--filter", "none"))
         self.assert_error("register", file, "--noise-bound", 1, "--filter", "magic", says="expected one of: none, tcf")
 
+    def test_scale(self):
+        self.run_command("generate", "--points", 600, "--outliers", 0.9, "--sigma", 0.1, "--scale", 0.5, "--out", "s")
+        file = "s/correspondences.txt"
+        for solver in ("pcr99", "teaser"):
+            result = self.json(file, "--noise-bound", 0.3, "--solver", solver, "--estimate-scale", "--truth", "s/pose.txt")
+            self.assertIs(result["estimate_scale"], True)
+            (run,) = result["runs"]
+            self.assertEqual(run["status"], "success")
+            self.assertAlmostEqual(run["scale"], 0.5, delta=0.005)
+            self.assertLess(run["scale_error"], 0.01)
+            self.assertAlmostEqual(run["scale_error"], abs(run["scale"] / 0.5 - 1), delta=1e-9)
+            self.assertGreater(run["scale_deviation"], 0)
+            self.assertLess(run["rotation_error_deg"], 0.1)
+            self.assertLess(run["translation_error"], 0.2)
+            text = self.run_command("register", file, "--noise-bound", 0.3, "--solver", solver, "--estimate-scale")
+            self.assertRegex(text, r"\nscale +0\.\d+ \+- ")
+        known = self.json(self.problem(), "--noise-bound", 0.3, "--solver", "pcr99")
+        self.assertNotIn("estimate_scale", known)
+        self.assertNotIn("scale", known["runs"][0])
+        self.assert_error("register", file, "--noise-bound", 0.3, "--estimate-scale", says="'tcf' needs a known scale")
+        self.assert_error("register", file, "--solver", "pcr99", "--estimate-scale", says="needs a noise_bound")
+        self.assert_error(
+            "register", file, "--noise-bound", 0.3, "--truth", "s/pose.txt", says="not a rotation"
+        )
+        self.assert_error("generate", "--scale", 0, "--out", "z", says="--scale: expected a finite number > 0, got 0")
+
     def test_json(self):
         file = self.problem()
         result = self.json(

@@ -1,4 +1,4 @@
-// What holds for both solvers that search the compatibility matrix: sc2_pcr and turboreg.
+// What holds for the solvers that search a matrix of pairs: sc2_pcr, turboreg and pcr99.
 #include <consimd/solvers/sc2_pcr.hpp>
 #include <consimd/solvers/solver.hpp>
 #include <consimd/solvers/turboreg.hpp>
@@ -20,7 +20,7 @@
 namespace consimd::test {
 namespace {
 
-const auto kSolvers = ::testing::Values(std::string("sc2_pcr"), std::string("turboreg"));
+const auto kSolvers = ::testing::Values(std::string("sc2_pcr"), std::string("turboreg"), std::string("pcr99"));
 
 Registration run(const std::string& solver, const Problem& problem, double noise_bound, std::uint64_t seed = 1) {
   Registration result = register_by_name(solver, problem.correspondences(), {.noise_bound = noise_bound, .seed = seed});
@@ -46,7 +46,7 @@ TEST_P(CompatibilityStudyCell, SucceedsWithTheErrorOfLeastSquares) {
     EXPECT_TRUE(succeeds(problem, result, bound));
     errors.add(problem, result.T_target_source);
     ASSERT_EQ(result.stages.size(), 4u);
-    EXPECT_EQ(result.stages[0].name, "compatibility");
+    EXPECT_EQ(result.stages[0].name, solver == "pcr99" ? "ranking" : "compatibility");
     EXPECT_EQ(result.stages[0].output, problem.size());
     EXPECT_EQ(result.stages[3].name, "irls");
     EXPECT_EQ(result.stages[3].output, result.inliers.size());

@@ -38,7 +38,7 @@ Problem read_pair(const std::filesystem::path& folder) {
 }
 
 class RealPairs : public ::testing::TestWithParam<std::string> {};
-INSTANTIATE_TEST_SUITE_P(Solvers, RealPairs, ::testing::Values("tcf", "sc2_pcr", "turboreg"),
+INSTANTIATE_TEST_SUITE_P(Solvers, RealPairs, ::testing::Values("tcf", "pcr99", "sc2_pcr", "turboreg"),
                          [](const auto& test) { return test.param; });
 
 TEST_P(RealPairs, AreRegisteredWithinTheirLimits) {

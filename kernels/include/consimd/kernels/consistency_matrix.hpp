@@ -27,6 +27,12 @@ class ConsistencyMatrix {
   /// m < 0 or m^2 < 4 a b. separation: caller's unit, finite and > 0.
   void compute_separated(const CorrespondenceView& view, double bound, double separation);
 
+  /// The same where the ratio of the lengths is bounded as well: bit j of row i also needs, with a, b the squared
+  /// lengths,
+  ///   |b - a| < ratio_bound (a + b),
+  /// which is |ln(b / a)| / 2 < artanh(ratio_bound), and false on the diagonal. ratio_bound: in (0, 1).
+  void compute_ratio(const CorrespondenceView& view, double bound, double ratio_bound);
+
   [[nodiscard]] std::size_t size() const noexcept { return size_; }
   [[nodiscard]] std::size_t words() const noexcept { return words_; }
   [[nodiscard]] std::span<const std::uint64_t> row(std::size_t i) const noexcept {

@@ -104,6 +104,10 @@ class Correspondences {
   void assign_pairs(const Correspondences& parent, std::span<const std::uint32_t> source_rows,
                     std::span<const std::uint32_t> target_rows);
 
+  /// The same correspondences with source points multiplied by `factor`, about the origin of their frame. Coordinates
+  /// are rounded once more. Throws std::invalid_argument unless the factor is finite and > 0.
+  [[nodiscard]] Correspondences with_scaled_source(double factor) const;
+
   [[nodiscard]] std::size_t size() const noexcept { return size_; }
   [[nodiscard]] bool empty() const noexcept { return size_ == 0; }
   [[nodiscard]] CorrespondenceView view() const noexcept { return {data_.get(), size_, padded_, scale_}; }

@@ -23,6 +23,12 @@ struct RefinedPose {
   double inliers = 0.0;          ///< expected number of inliers
   std::uint32_t rounds = 0;      ///< fits made
   PoseCovariance covariance = PoseCovariance::Zero();  ///< caller's frame and unit; zero if `fit` is not determined
+  /// The factor of the sources about their weighted mean with which they would fit best, 1 but for noise where their
+  /// scale is known, and its standard deviation. 1 and 0 if `fit` is not determined.
+  double scale = 1.0;
+  double scale_deviation = 0.0;
+  Eigen::Matrix<double, 3, 1, Eigen::DontAlign> centre =
+      Eigen::Matrix<double, 3, 1, Eigen::DontAlign>::Zero();  ///< that mean, working frame
 };
 
 /// Maximum likelihood for inliers with Gaussian or heavier-tailed residuals among locally uniform outliers. Each round

@@ -43,16 +43,23 @@ struct RunnerUp {
   RigidTransform T_target_source = RigidTransform::Identity();
   std::size_t support = 0;         ///< correspondences within the noise bound of it
   double log10_false_poses = 0.0;  ///< as in Registration
+  double scale = 1.0;              ///< as in Registration
 };
 
 struct Registration {
   Status status = Status::no_consensus;
-  /// Maps source points to the target frame, in the caller's units. The identity unless status is success,
-  /// ambiguous or budget_exhausted.
+  /// Maps source points, multiplied by `scale`, to the target frame: x_target = R (scale * x_source) + t, in the
+  /// caller's units. A rigid motion whatever the scale is. The identity unless status is success, ambiguous or
+  /// budget_exhausted.
   RigidTransform T_target_source = RigidTransform::Identity();
+  /// Of the source, 1 where it is known (see SolverOptions::estimate_scale).
+  double scale = 1.0;
+  /// Standard deviation of `scale`; 0 where it is known, and from teaser without refinement.
+  double scale_deviation = 0.0;
   /// Of the pose's error (theta, dt), rotation in rad before translation in the caller's unit, target frame (see
   /// pose_covariance.hpp), for a pose near the true one; whether it is, the significance tells. Zero when there is no
-  /// pose, and from tcf-published and teaser without refinement, which do not estimate it.
+  /// pose, and from tcf-published and teaser without refinement, which do not estimate it. With a scale that was
+  /// estimated: of the pose whatever the scale is, so dt holds what the scale's error adds at the source's origin.
   PoseCovariance covariance = PoseCovariance::Zero();
   /// Rows within `noise_bound` of the pose, ascending. Empty when there is no pose.
   std::vector<std::uint32_t> inliers;

@@ -16,6 +16,7 @@ namespace consimd {
 struct SolverInfo {
   std::string_view name;         ///< "tcf"
   std::string_view description;  ///< one line
+  bool estimates_scale = false;  ///< takes SolverOptions::estimate_scale
 };
 
 /// Every solver of this build, the default first.
@@ -40,13 +41,16 @@ struct SolverOptions {
   std::optional<double> noise_bound = std::nullopt;
   std::uint64_t seed = 1;
   Filter filter = Filter::none;
+  /// Find the scale of the source as well: x_target = scale * R * x_source + t. Only of solvers whose SolverInfo says
+  /// so, with a noise bound and without a filter.
+  bool estimate_scale = false;
 };
 
 /// Runs the named solver, after the filter if there is one. A pose found among the rows that a filter keeps is brought
 /// into place, tested and given its inliers on all rows: it counts as if it had been searched for among all of them, so
 /// that the choice which the filter made cannot make it look significant. The stages of the filter, those of the solver
 /// on what it kept, and a last one, "all_rows", are reported. Throws std::invalid_argument on an unknown name (listing
-/// the known ones) or a bad option.
+/// the known ones), a bad option, or estimate_scale where it cannot be.
 [[nodiscard]] Registration register_by_name(std::string_view solver, const Correspondences& correspondences,
                                             const SolverOptions& options);
 

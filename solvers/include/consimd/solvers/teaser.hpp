@@ -16,7 +16,9 @@ namespace consimd {
 struct TeaserOptions {
   /// tau, the paper's beta: the largest residual of an inlier, caller's unit; finite and > 0.
   double noise_bound = 0.0;
-  std::uint64_t seed = 1;  ///< of the significance test; the estimate itself draws nothing
+  std::uint64_t seed = 1;  ///< of the significance test, and of the scale's voters; the estimate itself draws nothing
+  /// Find the scale of the source as well (see scale_voting.hpp).
+  bool estimate_scale = false;
   /// The correspondences that go on, of the graph whose edges are pairs with | |p_j-p_i| - |q_j-q_i| | < 2 tau.
   enum class Selection : std::uint8_t {
     maximum_clique,  ///< the largest set that agrees pairwise
@@ -38,11 +40,11 @@ struct TeaserOptions {
   std::uint32_t bounds_tried = 1;
 };
 
-/// Registers with TEASER at known scale 1: pairs that agree in length, their maximum clique, graduated non-convexity
-/// for the rotation, adaptive voting for the translation. A large clique of what the pose does not explain tells
-/// whether another motion has as much support. The clique search is parallel in the caller's oneTBB arena; the result
-/// has the same bits for any number of threads and every ISA. Throws std::invalid_argument on a bad option, or if the
-/// graph exceeds its budget.
+/// Registers with TEASER, at scale 1 or at the scale that pairs vote for: pairs that agree in length, their maximum
+/// clique, graduated non-convexity for the rotation, adaptive voting for the translation. A large clique of what the
+/// pose does not explain tells whether another motion has as much support. The clique search is parallel in the
+/// caller's oneTBB arena; the result has the same bits for any number of threads and every ISA. Throws
+/// std::invalid_argument on a bad option, or if the graph exceeds its budget.
 [[nodiscard]] Registration register_teaser(const Correspondences& correspondences, const TeaserOptions& options);
 
 }  // namespace consimd

@@ -76,6 +76,7 @@ struct HardProblemOptions {
   std::array<double, 3> source_offset{};  ///< added to source points, as map coordinates are
   std::array<double, 3> target_offset{};  ///< added to target points
   double units_per_metre = 1.0;           ///< > 0; 1000 gives millimetres. Scales the points, the pose and sigma
+  double scale = 1.0;                     ///< > 0; source points are divided by it, so that it is to be found
 };
 
 /// The problem, rows in random order. Throws std::invalid_argument on an option outside its range, and when the decoy

@@ -17,9 +17,12 @@ namespace consimd::synth {
 /// |t_estimate - t_truth|, caller's unit.
 [[nodiscard]] double translation_error(const RigidTransform& estimate, const RigidTransform& truth);
 
-/// Root mean square of |T p - q| over the true inliers, the study's success measure (success: < 3 sigma).
-/// NaN without inliers.
-[[nodiscard]] double rmse_true_inliers(const Problem& problem, const RigidTransform& estimate);
+/// |estimate / truth - 1|.
+[[nodiscard]] double scale_error(double estimate, double truth);
+
+/// Root mean square of |T (scale p) - q| over the true inliers, the study's success measure (success: < 3 sigma).
+/// `scale` belongs to the estimate. NaN without inliers.
+[[nodiscard]] double rmse_true_inliers(const Problem& problem, const RigidTransform& estimate, double scale = 1.0);
 
 /// How a reported set of inliers compares with the true one. NaN where the denominator is empty.
 struct InlierQuality {
@@ -30,9 +33,9 @@ struct InlierQuality {
 /// reported: distinct rows of the problem, in any order. Throws std::out_of_range on a row that the problem lacks.
 [[nodiscard]] InlierQuality inlier_quality(const Problem& problem, std::span<const std::uint32_t> reported);
 
-/// The oracle: the least-squares rigid motion of the true inliers, in double precision, which no estimator that has to
-/// find them can be expected to beat. One of the minimisers for one or two inliers; all NaN, and so its errors,
-/// without any.
+/// The oracle: the least-squares rigid motion of the true inliers at the true scale, in double precision, which no
+/// estimator that has to find them can be expected to beat. One of the minimisers for one or two inliers; all NaN, and
+/// so its errors, without any.
 [[nodiscard]] RigidTransform oracle(const Problem& problem);
 
 }  // namespace consimd::synth

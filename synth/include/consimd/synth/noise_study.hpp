@@ -19,6 +19,7 @@ struct NoiseStudyOptions {
   double half_extent = 100.0;          ///< points lie in [-half_extent, half_extent]^3, metres, > 0
   std::uint64_t seed = 1;
   std::uint64_t trial = 0;
+  double scale = 1.0;  ///< > 0; source points are divided by it. Not part of the study
 };
 
 /// Source points uniform in the cube, a uniformly random rotation and a translation uniform in the cube; targets are
