@@ -1,7 +1,8 @@
 #!/usr/bin/env bash
 # What `./dev package` runs: check_package.sh CHECKOUT RELEASE_BUILD
 # Installs the static libraries, the shared ones and static ones compiled with -march=native, and holds the project beside this script
-# against each of them. Everything is written below CHECKOUT/build/package.
+# against each of them. Everything is written to folders CHECKOUT/build/package-NAME, as deep as
+# the release build, so that ccache knows its objects again.
 set -euo pipefail
 
 root=$1
@@ -24,9 +25,9 @@ quietly() {
   rm -f "$log"
 }
 
-# install_library NAME CMAKE_ARGUMENT...: builds and installs to $work/NAME/prefix.
+# install_library NAME CMAKE_ARGUMENT...: builds and installs to $work-NAME/prefix.
 install_library() {
-  local build=$work/$1
+  local build=$work-$1
   say "library: $1"
   quietly cmake -S "$root" -B "$build" -G Ninja -DCMAKE_BUILD_TYPE=Release -DCMAKE_INSTALL_PREFIX="$build/prefix" \
     -DCONSIMD_WERROR="${CONSIMD_WERROR:-OFF}" -DCONSIMD_BUILD_TESTS=OFF -DCONSIMD_BUILD_BENCHMARKS=OFF "${@:2}"
@@ -35,24 +36,24 @@ install_library() {
   quietly cmake --install "$build"
 }
 
-# consume NAME CMAKE_ARGUMENT...: builds the consumer project in $work/NAME and runs its programs.
+# consume NAME CMAKE_ARGUMENT...: builds the consumer project in $work-NAME and runs its programs.
 consume() {
   say "project: $1"
-  quietly cmake -S "$consumer" -B "$work/$1" -G Ninja -DCMAKE_BUILD_TYPE=Release "${@:2}"
-  quietly cmake --build "$work/$1"
-  quietly ctest --test-dir "$work/$1" --output-on-failure --no-tests=error
+  quietly cmake -S "$consumer" -B "$work-$1" -G Ninja -DCMAKE_BUILD_TYPE=Release "${@:2}"
+  quietly cmake --build "$work-$1"
+  quietly ctest --test-dir "$work-$1" --output-on-failure --no-tests=error
 }
 
 # --- The three installations ------------------------------------------------------------------------------------------
 
-static=$work/static
+static=$work-static
 rm -rf "$static"
 quietly cmake --install "$release" --prefix "$static/prefix"
 install_library shared -DBUILD_SHARED_LIBS=ON
 # shellcheck disable=SC2054 # one argument of CMake
 install_library native -DCMAKE_CXX_FLAGS=-march=native -DCONSIMD_BUILD_CLI=OFF
 install_library kernels -DCONSIMD_KERNELS_ONLY=ON -DCMAKE_DISABLE_FIND_PACKAGE_Eigen3=ON -DCMAKE_DISABLE_FIND_PACKAGE_TBB=ON
-for name in static shared; do "$work/$name/prefix/bin/consimd" info >/dev/null || fail "the installed command does not run"; done
+for name in static shared; do "$work-$name/prefix/bin/consimd" info >/dev/null || fail "the installed command does not run"; done
 
 # --- Every way to the library -----------------------------------------------------------------------------------------
 
@@ -60,11 +61,11 @@ compilers=(g++)
 if command -v clang++ >/dev/null; then compilers+=(clang++); fi
 for compiler in "${compilers[@]}"; do
   for name in static shared; do
-    consume "find_package-$name-$compiler" -DCMAKE_CXX_COMPILER="$compiler" -DCMAKE_PREFIX_PATH="$work/$name/prefix"
+    consume "find_package-$name-$compiler" -DCMAKE_CXX_COMPILER="$compiler" -DCMAKE_PREFIX_PATH="$work-$name/prefix"
   done
 done
-consume find_package-native -DCMAKE_PREFIX_PATH="$work/native/prefix"
-consume find_package-kernels -DKERNELS_ONLY=ON -DCMAKE_PREFIX_PATH="$work/kernels/prefix" \
+consume find_package-native -DCMAKE_PREFIX_PATH="$work-native/prefix"
+consume find_package-kernels -DKERNELS_ONLY=ON -DCMAKE_PREFIX_PATH="$work-kernels/prefix" \
   -DCMAKE_DISABLE_FIND_PACKAGE_Eigen3=ON -DCMAKE_DISABLE_FIND_PACKAGE_TBB=ON
 consume add_subdirectory-static -DCONSIMD_FROM=add_subdirectory -DCONSIMD_CHECKOUT="$root"
 consume FetchContent-shared -DCONSIMD_FROM=FetchContent -DCONSIMD_CHECKOUT="$root" -DBUILD_SHARED_LIBS=ON
@@ -76,25 +77,27 @@ quietly ctest --test-dir "$work/examples" --output-on-failure --no-tests=error
 
 say "pkg-config"
 for name in static shared; do
-  pc=$work/$name/prefix/$(cd "$work/$name/prefix" && find . -name pkgconfig)
+  pc=$work-$name/prefix/$(cd "$work-$name/prefix" && find . -name pkgconfig)
   for program in "register_synthetic consimd-solvers consimd-synth" "count_consistent consimd-kernels"; do
     read -r -a words <<<"$program"
     read -r -a flags < <(PKG_CONFIG_PATH=$pc pkg-config --cflags --libs "${words[@]:1}")
-    quietly g++ -std=c++20 -O1 -o "$work/${words[0]}" "$consumer/${words[0]}.cpp" "${flags[@]}" "-Wl,-rpath,$pc/.."
-    quietly "$work/${words[0]}"
+    quietly g++ -std=c++20 -O1 -o "$work-${words[0]}" "$consumer/${words[0]}.cpp" "${flags[@]}" "-Wl,-rpath,$pc/.."
+    quietly "$work-${words[0]}"
   done
 done
 
 # --- Headers and symbols ----------------------------------------------------------------------------------------------
 
 say "what the headers of consimd::kernels include"
-include=$work/static/prefix/include
+include=$work-static/prefix/include
 seen=$(for header in "$include"/consimd/kernels/*.hpp; do g++ -std=c++20 -M -x c++ "$header" -I"$include"; done)
 ! grep -ioE '[^ ]*/(eigen[0-9]*|tbb|oneapi|xsimd|random123)/[^ ]*' <<<"$seen" || fail "consimd::kernels shows these to its users"
 
 say "symbols and names of the shared libraries"
-for library in "$work"/shared/prefix/lib*/libconsimd_*.so "$work"/shared/prefix/lib/*/libconsimd_*.so; do
+libraries=()
+for library in "$work-shared"/prefix/lib*/libconsimd_*.so "$work-shared"/prefix/lib/*/libconsimd_*.so; do
   [[ -e $library ]] || continue
+  libraries+=("$library")
   exported=$(nm -DC --defined-only "$library" | cut -d' ' -f3-)
   [[ -n $exported ]] || fail "$library exports nothing"
   ! grep -vE '^consimd::' <<<"$exported" || fail "$library exports what is not consimd's"
@@ -103,6 +106,7 @@ for library in "$work"/shared/prefix/lib*/libconsimd_*.so "$work"/shared/prefix/
   [[ $soname =~ ^libconsimd_[a-z]+\.so\.[0-9]+\.[0-9]+$ ]] || fail "$library has the soname '$soname'"
   [[ -e $(dirname "$library")/$soname ]] || fail "$soname is not installed"
 done
+((${#libraries[@]} == 4)) || fail "expected four shared libraries, found ${#libraries[@]}"
 
 # --- Flags ------------------------------------------------------------------------------------------------------------
 
@@ -111,13 +115,13 @@ say "the same bits whatever the flags"
 bits=$(mktemp)
 # shellcheck disable=SC2064 # expands now
 trap "rm -f '$bits'" EXIT
-"$work/find_package-static-g++/pose_bits" >"$bits"
+"$work-find_package-static-g++/pose_bits" >"$bits"
 same_bits() {
-  diff "$bits" <("$work/$1/pose_bits") >&2 || fail "$1: other bits than a plain program on the plain static library"
+  diff "$bits" <("$work-$1/pose_bits") >&2 || fail "$1: other bits than a plain program on the plain static library"
 }
 for compiler in "${compilers[@]}"; do
   for name in static shared native; do
-    consume "march=native-$name-$compiler" -DCMAKE_CXX_COMPILER="$compiler" -DCMAKE_PREFIX_PATH="$work/$name/prefix" \
+    consume "march=native-$name-$compiler" -DCMAKE_CXX_COMPILER="$compiler" -DCMAKE_PREFIX_PATH="$work-$name/prefix" \
       -DCMAKE_CXX_FLAGS=-march=native -DCHECK_HEADERS=OFF
     same_bits "march=native-$name-$compiler"
   done
