@@ -23,7 +23,7 @@ constexpr std::size_t kSearchRound = 32;
 // Degrees within the candidates are counted again once these have shrunk to this share.
 constexpr double kRecount = 0.75;
 // Members whose degrees are counted before those among them that go are dropped.
-constexpr std::size_t kCounted = 32;
+constexpr std::size_t kCounted = 16;
 
 /// The neighbourhood of a vertex, reduced to what a clique of the wanted size can hold.
 class Neighbourhood {
@@ -76,31 +76,33 @@ class Neighbourhood {
 
  private:
   // Drops members until each is adjacent to `wanted` - 1 others or more. Returns false if fewer than `wanted` are left.
-  // Which are left does not depend on the order: so those that go are missed by the very next counts.
+  // Which are left does not depend on the order: so those that go are missed by the very next counts. Those peeled
+  // first have the fewest neighbours and come last: from the end on most go before the others are counted.
   bool prune(const GraphView& graph, std::uint32_t wanted) {
     std::array<std::uint32_t, kCounted> degrees{};
     degrees_.resize(members_.size());
     while (true) {
       const std::size_t size = members_.size();
-      std::size_t kept = 0;
-      for (std::size_t first = 0; first < size; first += kCounted) {
-        if (kept + (size - first) < wanted) return false;
-        const std::span<const std::uint32_t> some =
-            std::span(members_).subspan(first, std::min(kCounted, size - first));
+      std::size_t kept = size;  // where those that stay begin
+      for (std::size_t end = size; end > 0;) {
+        if (end + (size - kept) < wanted) return false;
+        const std::size_t first = end - std::min(end, kCounted);
+        const std::span<const std::uint32_t> some = std::span(members_).subspan(first, end - first);
         count(graph, some, std::span(degrees).first(some.size()));
-        for (std::size_t i = 0; i < some.size(); ++i) {
+        for (std::size_t i = some.size(); i-- > 0;) {
           if (degrees[i] + 1 < wanted) {
             clear_bit(set_, some[i]);
           } else {
-            degrees_[kept] = degrees[i];
-            members_[kept++] = some[i];
+            degrees_[--kept] = degrees[i];
+            members_[kept] = some[i];
           }
         }
+        end = first;
       }
-      members_.resize(kept);
-      degrees_.resize(kept);
-      if (kept < wanted) return false;
-      if (kept == size) return true;
+      members_.erase(members_.begin(), members_.begin() + static_cast<std::ptrdiff_t>(kept));
+      degrees_.erase(degrees_.begin(), degrees_.begin() + static_cast<std::ptrdiff_t>(kept));
+      if (members_.size() < wanted) return false;
+      if (kept == 0) return true;
     }
   }
 
@@ -108,10 +110,11 @@ class Neighbourhood {
   bool takes_colours(const GraphView& graph, std::uint32_t wanted) {
     uncoloured_ = set_;
     colour_class_.resize(set_.size());
+    std::size_t left = members_.size();
     std::size_t begin = 0;  // words before it are empty
     for (std::uint32_t colours = 0; colours < wanted; ++colours) {
-      while (begin < uncoloured_.size() && uncoloured_[begin] == 0) ++begin;
-      if (begin == uncoloured_.size()) return false;
+      if (colours + left < wanted) return false;
+      while (uncoloured_[begin] == 0) ++begin;
       std::ranges::copy(uncoloured_, colour_class_.begin());
       for (std::size_t w = begin; w < colour_class_.size(); ++w) {
         while (colour_class_[w] != 0) {
@@ -120,6 +123,7 @@ class Neighbourhood {
           uncoloured_[w] &= ~(std::uint64_t{1} << bit);
           colour_class_[w] &= colour_class_[w] - 1;
           for (std::size_t k = w; k < colour_class_.size(); ++k) colour_class_[k] &= ~row[k];
+          --left;
         }
       }
     }
