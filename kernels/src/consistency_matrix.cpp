@@ -1,5 +1,6 @@
 #include <consimd/kernels/consistency_matrix.hpp>
 
+#include <algorithm>
 #include <stdexcept>
 #include <string>
 
@@ -54,9 +55,17 @@ std::uint32_t and_popcount(std::span<const std::uint64_t> a, std::span<const std
 void and_popcount_rows(const ConsistencyMatrix& matrix, std::span<const std::uint64_t> set,
                        std::span<const std::uint32_t> rows, std::span<std::uint32_t> counts) {
   detail::require_size("set", set.size(), matrix.words());
+  and_popcount_rows({matrix.data(), matrix.size() * matrix.words()}, set, rows, counts);
+}
+
+void and_popcount_rows(std::span<const std::uint64_t> bits, std::span<const std::uint64_t> set,
+                       std::span<const std::uint32_t> rows, std::span<std::uint32_t> counts) {
+  const std::size_t size = set.empty() ? 0 : bits.size() / set.size();
+  detail::require_size("bits", bits.size(), size * set.size());
   detail::require_size("counts", counts.size(), rows.size());
-  for (const std::uint32_t row : rows) detail::require_index(row, matrix.size());
-  detail::active_table().and_popcount_rows(matrix.data(), matrix.words(), set.data(), rows.data(), rows.size(),
+  if (rows.empty()) return;
+  detail::require_index(*std::max_element(rows.begin(), rows.end()), size);
+  detail::active_table().and_popcount_rows(bits.data(), set.size(), set.data(), rows.data(), rows.size(),
                                            counts.data());
 }
 

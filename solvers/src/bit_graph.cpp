@@ -69,10 +69,12 @@ CoreNumbers core_numbers(const GraphView& graph) {
     position[v] = next[degree[v]]++;
     order[position[v]] = v;
   }
+  std::vector<std::uint64_t> left(graph.words(), ~std::uint64_t{0});  // not yet peeled
   for (std::uint32_t p = 0; p < size; ++p) {
     const std::uint32_t peeled = order[p];
-    detail::for_each_in(graph.row(peeled), [&](std::uint32_t u) {
-      if (degree[u] <= degree[peeled]) return;  // peeled before, or as tightly bound
+    detail::clear_bit(left, peeled);
+    const auto lower = [&](std::uint32_t u) {
+      if (degree[u] <= degree[peeled]) return;  // as tightly bound
       // u becomes the last of the bucket below: it changes places with the first of its own.
       const std::uint32_t start = first[degree[u]];
       const std::uint32_t other = order[start];
@@ -80,7 +82,9 @@ CoreNumbers core_numbers(const GraphView& graph) {
       std::swap(position[u], position[other]);
       first[degree[u]] = start + 1;
       --degree[u];
-    });
+    };
+    const std::span<const std::uint64_t> row = graph.row(peeled);
+    for (std::size_t w = 0; w < row.size(); ++w) detail::for_each_in_word(row[w] & left[w], w, lower);
   }
   return result;
 }

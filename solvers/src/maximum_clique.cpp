@@ -5,6 +5,7 @@
 #include <oneapi/tbb/parallel_for.h>
 
 #include <algorithm>
+#include <array>
 
 #include "bit_rows.hpp"
 #include "clique_branching.hpp"
@@ -21,6 +22,8 @@ constexpr std::size_t kRound = 256;
 constexpr std::size_t kSearchRound = 32;
 // Degrees within the candidates are counted again once these have shrunk to this share.
 constexpr double kRecount = 0.75;
+// Members whose degrees are counted before those among them that go are dropped.
+constexpr std::size_t kCounted = 16;
 
 /// The neighbourhood of a vertex, reduced to what a clique of the wanted size can hold.
 class Neighbourhood {
@@ -35,26 +38,16 @@ class Neighbourhood {
     if (candidates % kBlock != 0) set_[words - 1] &= (std::uint64_t{1} << (candidates % kBlock)) - 1;
     clear_bit(set_, vertex);
     list();
-    while (true) {
-      if (members_.size() < wanted) return false;
-      count(graph);
-      std::size_t dropped = 0;
-      for (const Member& member : members_) {
-        if (member.degree + 1 >= wanted) continue;
-        clear_bit(set_, member.vertex);
-        ++dropped;
-      }
-      if (dropped == 0) break;
-      std::erase_if(members_, [&](const Member& member) { return member.degree + 1 < wanted; });
-    }
-    return takes_colours(graph, wanted);
+    return prune(graph, wanted) && takes_colours(graph, wanted);
   }
 
-  [[nodiscard]] std::size_t size() const noexcept { return members_.size(); }
-  [[nodiscard]] std::uint32_t vertex(std::size_t i) const noexcept { return members_[i].vertex; }
-
-  /// Highest degree first.
-  void sort() { std::ranges::sort(members_, std::ranges::greater{}, &Member::key); }
+  /// The members, highest degree first.
+  void list_by_degree(std::vector<std::uint32_t>& vertices) {
+    rank();
+    std::ranges::sort(keys_, std::ranges::greater{});
+    vertices.clear();
+    for (const std::uint64_t key : keys_) vertices.push_back(vertex_of(key));
+  }
 
   /// Takes the vertex of highest degree among the candidates, again and again, unless too few are left for `wanted`.
   void take_greedily(const GraphView& graph, std::uint32_t wanted, std::vector<std::uint32_t>& clique) {
@@ -62,11 +55,12 @@ class Neighbourhood {
       const std::size_t counted = members_.size();
       std::size_t left = counted;
       // Few are taken before the degrees are counted again: a heap, not a sort.
-      std::ranges::make_heap(members_, {}, &Member::key);
-      while (!members_.empty() && static_cast<double>(left) >= kRecount * static_cast<double>(counted)) {
-        const std::uint32_t taken = members_.front().vertex;
-        std::ranges::pop_heap(members_, {}, &Member::key);
-        members_.pop_back();
+      rank();
+      std::ranges::make_heap(keys_);
+      while (!keys_.empty() && static_cast<double>(left) >= kRecount * static_cast<double>(counted)) {
+        const std::uint32_t taken = vertex_of(keys_.front());
+        std::ranges::pop_heap(keys_);
+        keys_.pop_back();
         if (!test_bit(set_, taken)) continue;
         clique.push_back(taken);
         intersect(set_, graph.row(taken), set_);
@@ -75,27 +69,52 @@ class Neighbourhood {
         if (clique.size() + left < wanted) return;
       }
       list();
-      count(graph);
+      degrees_.resize(members_.size());
+      count(graph, members_, degrees_);
     }
   }
 
  private:
-  struct Member {
-    std::uint32_t vertex;
-    std::uint32_t degree;  // within the set
-
-    /// Orders by degree, then the lower vertex first.
-    [[nodiscard]] std::uint64_t key() const noexcept { return std::uint64_t{degree} << 32 | ~vertex; }
-  };
+  // Drops members until each is adjacent to `wanted` - 1 others or more. Returns false if fewer than `wanted` are left.
+  // Which are left does not depend on the order: so those that go are missed by the very next counts. Those peeled
+  // first have the fewest neighbours and come last: from the end on most go before the others are counted.
+  bool prune(const GraphView& graph, std::uint32_t wanted) {
+    std::array<std::uint32_t, kCounted> degrees{};
+    degrees_.resize(members_.size());
+    while (true) {
+      const std::size_t size = members_.size();
+      std::size_t kept = size;  // where those that stay begin
+      for (std::size_t end = size; end > 0;) {
+        if (end + (size - kept) < wanted) return false;
+        const std::size_t first = end - std::min(end, kCounted);
+        const std::span<const std::uint32_t> some = std::span(members_).subspan(first, end - first);
+        count(graph, some, std::span(degrees).first(some.size()));
+        for (std::size_t i = some.size(); i-- > 0;) {
+          if (degrees[i] + 1 < wanted) {
+            clear_bit(set_, some[i]);
+          } else {
+            degrees_[--kept] = degrees[i];
+            members_[kept] = some[i];
+          }
+        }
+        end = first;
+      }
+      members_.erase(members_.begin(), members_.begin() + static_cast<std::ptrdiff_t>(kept));
+      degrees_.erase(degrees_.begin(), degrees_.begin() + static_cast<std::ptrdiff_t>(kept));
+      if (members_.size() < wanted) return false;
+      if (kept == 0) return true;
+    }
+  }
 
   /// Whether a greedy colouring takes `wanted` colours: fewer, and no clique is that large.
   bool takes_colours(const GraphView& graph, std::uint32_t wanted) {
     uncoloured_ = set_;
     colour_class_.resize(set_.size());
+    std::size_t left = members_.size();
     std::size_t begin = 0;  // words before it are empty
     for (std::uint32_t colours = 0; colours < wanted; ++colours) {
-      while (begin < uncoloured_.size() && uncoloured_[begin] == 0) ++begin;
-      if (begin == uncoloured_.size()) return false;
+      if (colours + left < wanted) return false;
+      while (uncoloured_[begin] == 0) ++begin;
       std::ranges::copy(uncoloured_, colour_class_.begin());
       for (std::size_t w = begin; w < colour_class_.size(); ++w) {
         while (colour_class_[w] != 0) {
@@ -104,6 +123,7 @@ class Neighbourhood {
           uncoloured_[w] &= ~(std::uint64_t{1} << bit);
           colour_class_[w] &= colour_class_[w] - 1;
           for (std::size_t k = w; k < colour_class_.size(); ++k) colour_class_[k] &= ~row[k];
+          --left;
         }
       }
     }
@@ -112,16 +132,28 @@ class Neighbourhood {
 
   void list() {
     members_.clear();
-    for_each_in(set_, [&](std::uint32_t v) { members_.push_back({v, 0}); });
+    for_each_in(set_, [&](std::uint32_t v) { members_.push_back(v); });
   }
-  void count(const GraphView& graph) {
-    for (Member& member : members_) {
-      const std::uint32_t degree = and_popcount(graph.row(member.vertex), set_);
-      member.degree = degree - (graph.adjacent(member.vertex, member.vertex) ? 1U : 0U);
+
+  // Degrees within the set.
+  void count(const GraphView& graph, std::span<const std::uint32_t> vertices, std::span<std::uint32_t> degrees) const {
+    and_popcount_rows(graph.bits(), set_, vertices, degrees);
+    for (std::size_t i = 0; i < vertices.size(); ++i) {
+      if (graph.adjacent(vertices[i], vertices[i])) --degrees[i];
     }
   }
+
+  // Keys that order the members by degree, then the lower vertex first.
+  void rank() {
+    keys_.clear();
+    for (std::size_t i = 0; i < members_.size(); ++i) keys_.push_back(std::uint64_t{degrees_[i]} << 32 | ~members_[i]);
+  }
+  static std::uint32_t vertex_of(std::uint64_t key) noexcept { return ~static_cast<std::uint32_t>(key); }
+
   std::vector<std::uint64_t> set_;
-  std::vector<Member> members_;
+  std::vector<std::uint32_t> members_;  // of the set
+  std::vector<std::uint32_t> degrees_;  // of the members
+  std::vector<std::uint64_t> keys_;
   std::vector<std::uint64_t> uncoloured_;
   std::vector<std::uint64_t> colour_class_;
 };
@@ -224,11 +256,7 @@ class MaximumCliqueSearch {
     if (reduced_.core()[vertex] + 1 < wanted) return outcome;
     Scratch& scratch = scratch_.local();
     if (!scratch.neighbourhood.assign(graph, vertex, vertex, wanted - 1)) return outcome;
-    scratch.neighbourhood.sort();
-    scratch.vertices.clear();
-    for (std::size_t i = 0; i < scratch.neighbourhood.size(); ++i) {
-      scratch.vertices.push_back(scratch.neighbourhood.vertex(i));
-    }
+    scratch.neighbourhood.list_by_degree(scratch.vertices);
     scratch.graph.assign_subgraph(graph, scratch.vertices);
     scratch.branching.run(scratch.graph, std::max(wanted, 2U) - 1, max_nodes);
     outcome.complete = scratch.branching.complete();

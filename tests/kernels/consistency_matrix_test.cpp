@@ -209,6 +209,11 @@ TEST(MatrixArguments, AreChecked) {
   EXPECT_THROW(and_popcount_rows(matrix, matrix.row(0), rows, std::span(counts).first(1)), std::invalid_argument);
   and_popcount_rows(matrix, matrix.row(0), rows, counts);
   EXPECT_EQ(counts, (std::vector<std::uint32_t>{2, 2}));
+  const std::vector<std::uint64_t> bits{1, 3, 4, 6};
+  and_popcount_rows(bits, std::span(bits).first(2), rows, counts);
+  EXPECT_EQ(counts, (std::vector<std::uint32_t>{3, 1}));
+  EXPECT_THROW(and_popcount_rows(bits, std::span(bits).first(3), rows, counts), std::invalid_argument);
+  EXPECT_THROW(and_popcount_rows(bits, bits, rows, counts), std::out_of_range);
   EXPECT_THROW((void)and_popcount(matrix.row(0), {}), std::invalid_argument);
 
   const std::vector<float> values(kBlock, 1.0f);

@@ -64,6 +64,11 @@ class ConsistencyMatrix {
 void and_popcount_rows(const ConsistencyMatrix& matrix, std::span<const std::uint64_t> set,
                        std::span<const std::uint32_t> rows, std::span<std::uint32_t> counts);
 
+/// The same for rows of bits that lie one after the other, each of set.size() words. Throws std::invalid_argument
+/// unless `bits` are whole rows, or if counts and rows differ in size.
+void and_popcount_rows(std::span<const std::uint64_t> bits, std::span<const std::uint64_t> set,
+                       std::span<const std::uint32_t> rows, std::span<std::uint32_t> counts);
+
 /// sums[r] = sum of values[j] over the ones j of row first_row + r: rows of the product of the matrix and a vector.
 /// Single precision, in 16 interleaved sums joined in one order: the same bits on every ISA. values: matrix.words() *
 /// kBlock floats, of which those from matrix.size() on may be anything; sums: as many rows as are wanted. Throws

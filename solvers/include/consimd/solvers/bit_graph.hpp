@@ -28,6 +28,8 @@ class GraphView {
   [[nodiscard]] std::span<const std::uint64_t> row(std::size_t i) const noexcept {
     return {bits_ + i * words_, words_};
   }
+  /// All rows, one after the other.
+  [[nodiscard]] std::span<const std::uint64_t> bits() const noexcept { return {bits_, size_ * words_}; }
   [[nodiscard]] bool adjacent(std::size_t i, std::size_t j) const noexcept {
     return (bits_[i * words_ + j / kBlock] >> (j % kBlock) & 1) != 0;
   }
