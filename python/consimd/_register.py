@@ -66,8 +66,12 @@ class Registration:
 
     status: Status
     pose: NDArray[np.float64]
-    """(4, 4), T_target_source: takes source points to the target frame, p -> pose[:3, :3] @ p + pose[:3, 3]. The
-    identity unless `has_pose`."""
+    """(4, 4), T_target_source, rigid: takes source points to the target frame, p -> scale * pose[:3, :3] @ p +
+    pose[:3, 3]. The identity unless `has_pose`."""
+    scale: float
+    """Of the source. 1, unless a solver with estimate_scale=True found it."""
+    scale_deviation: float
+    """Standard deviation of `scale`; 0 where that was not estimated."""
     inliers: NDArray[np.int64]
     """(K,) rows of the input within `noise_bound` of the pose, ascending. Empty without a pose."""
     covariance: NDArray[np.float64]
@@ -165,7 +169,8 @@ def register(
     seed: of the random samples; the same seed gives the same bits, on any number of threads and any processor.
     filter: "tcf" gives the solver only what the two filters of TCF keep; "none" gives it all.
     threads: at most so many; None: all that the process may use.
-    options: the solver's own, see `solver_options(solver)`; the C++ headers explain them.
+    options: the solver's own, see `solver_options(solver)`; the C++ headers explain them. `estimate_scale=True` of `pcr99`
+        and `teaser` finds the scale of the source as well; it needs a noise bound and no filter.
 
     Never raises for want of a pose: the status says so. ValueError on a bad shape or value, TypeError on an unknown
     option. Other Python threads run meanwhile. Ctrl-C raises KeyboardInterrupt at once; the solver, which cannot be

@@ -7,9 +7,9 @@
 #include <nanobind/stl/string.h>
 #include <nanobind/stl/string_view.h>
 
-#include <consimd/poses/rigid_fit.hpp>
 #include <consimd/kernels/rigid_moments.hpp>
 #include <consimd/kernels/three_point_fit.hpp>
+#include <consimd/poses/rigid_fit.hpp>
 
 #include "array_arguments.hpp"
 #include "array_results.hpp"

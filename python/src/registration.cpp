@@ -42,6 +42,8 @@ nb::dict to_dict(const Registration& result) {
   nb::dict fields;
   fields["status"] = to_string(result.status);
   fields["pose"] = to_bytes(Eigen::Matrix<double, 4, 4, Eigen::RowMajor>(result.T_target_source.matrix()));
+  fields["scale"] = result.scale;
+  fields["scale_deviation"] = result.scale_deviation;
   fields["covariance"] = to_bytes(Eigen::Matrix<double, 6, 6, Eigen::RowMajor>(result.covariance));
   fields["inliers"] = to_bytes(std::vector<std::int64_t>(result.inliers.begin(), result.inliers.end()));
   fields["log10_false_poses"] = result.log10_false_poses;
@@ -76,6 +78,8 @@ nb::dict run_solver(const SharedCorrespondences& correspondences, std::string so
   const std::optional<int> limit = checked_threads(threads);
   SolverCall call;
   if (!given.empty()) call = solver_with_options(solver, seed, given);
+  // Checked with the noise bound and the filter as well.
+  options.estimate_scale = given.contains("estimate_scale") && nb::cast<bool>(given["estimate_scale"]);
   const auto rows = correspondences.rows;
   const bool brief = is_brief(solver, rows->size(), options, given);
   const auto work = [rows, solver = std::move(solver), options, limit, call] {

@@ -15,6 +15,7 @@
 #include <nanobind/stl/string_view.h>
 
 #include <consimd/solvers/mac.hpp>
+#include <consimd/solvers/pcr99.hpp>
 #include <consimd/solvers/ransac.hpp>
 #include <consimd/solvers/sc2_pcr.hpp>
 #include <consimd/solvers/tcf.hpp>
@@ -141,8 +142,22 @@ OptionList<TurboRegOptions> options_of(const TurboRegOptions& /*of*/) {
           {"matrix_budget_bytes", &TurboRegOptions::matrix_budget_bytes}};
 }
 
+OptionList<Pcr99Options> options_of(const Pcr99Options& /*of*/) {
+  return {{"estimate_scale", &Pcr99Options::estimate_scale},
+          {"ratio_tolerance", &Pcr99Options::ratio_tolerance},
+          {"length_tolerance", &Pcr99Options::length_tolerance},
+          {"ranking_tolerance", &Pcr99Options::ranking_tolerance},
+          {"inlier_tolerance", &Pcr99Options::inlier_tolerance},
+          {"batch", &Pcr99Options::batch},
+          {"max_hypotheses", &Pcr99Options::max_hypotheses},
+          {"max_triples", &Pcr99Options::max_triples},
+          {"ranking", &Pcr99Options::ranking},
+          {"matrix_budget_bytes", &Pcr99Options::matrix_budget_bytes}};
+}
+
 OptionList<TeaserOptions> options_of(const TeaserOptions& /*of*/) {
-  return {{"selection", &TeaserOptions::selection},
+  return {{"estimate_scale", &TeaserOptions::estimate_scale},
+          {"selection", &TeaserOptions::selection},
           {"max_nodes", &TeaserOptions::max_nodes},
           {"rotation_pairs", &TeaserOptions::rotation_pairs},
           {"refine", &TeaserOptions::refine},
@@ -178,6 +193,7 @@ auto with_solver(std::string_view solver, const Take& take) {
   if (solver == "ransac-50k") return take(fixed_samples(50'000), register_ransac);
   if (solver == "sc2_pcr") return take(Sc2PcrOptions(), register_sc2_pcr);
   if (solver == "turboreg") return take(TurboRegOptions(), register_turboreg);
+  if (solver == "pcr99") return take(Pcr99Options(), register_pcr99);
   if (solver == "teaser") return take(TeaserOptions(), register_teaser);
   if (solver == "mac") return take(MacOptions(), register_mac);
   std::string known;

@@ -188,6 +188,27 @@ def test_the_noise_bound_is_estimated(problem):
     assert consimd.register(problem.source, problem.target).noise_bound == estimate.noise_bound
 
 
+@pytest.mark.parametrize("solver", ["pcr99", "teaser"])
+def test_an_unknown_scale_is_found(problem, solver):
+    source = problem.source / 2.5
+    result = consimd.register(source, problem.target, 1.5, solver=solver, estimate_scale=True)
+    assert result.has_pose
+    assert abs(result.scale / 2.5 - 1) < 0.01
+    assert 0 < result.scale_deviation < 0.01 * result.scale
+    moved = result.scale * source @ result.pose[:3, :3].T + result.pose[:3, 3]
+    residuals = np.linalg.norm(moved - problem.target, axis=1)
+    assert (residuals[result.inliers] < 1.5).all()
+
+
+def test_an_unknown_scale_needs_a_bound_and_all_rows(problem):
+    with pytest.raises(ValueError, match="estimate_scale: needs a noise_bound"):
+        consimd.register(problem.source, problem.target, solver="pcr99", estimate_scale=True)
+    with pytest.raises(ValueError, match="estimate_scale: filter 'tcf'"):
+        consimd.register(problem.source, problem.target, 1.5, solver="pcr99", filter="tcf", estimate_scale=True)
+    with pytest.raises(TypeError, match="estimate_scale"):
+        consimd.register(problem.source, problem.target, 1.5, estimate_scale=True)
+
+
 def test_solvers_are_listed():
     assert next(iter(consimd.solvers())) == "tcf"
     assert all(consimd.solvers().values())

@@ -103,15 +103,17 @@ Filter filter_by_name(std::string_view name) {
 
 namespace {
 
-void require_scale_can_be_estimated(const SolverInfo& info, const SolverOptions& options) {
-  if (!info.estimates_scale) {
-    std::string able;
-    for (const SolverInfo& other : kInfos) {
-      if (other.estimates_scale) able.append(able.empty() ? "" : ", ").append(other.name);
-    }
-    throw std::invalid_argument("estimate_scale: solver '" + std::string(info.name) +
-                                "' needs a known scale, expected one of: " + able);
+void require_scale_estimation(const SolverInfo& info) {
+  if (info.estimates_scale) return;
+  std::string able;
+  for (const SolverInfo& other : kInfos) {
+    if (other.estimates_scale) able.append(able.empty() ? "" : ", ").append(other.name);
   }
+  throw std::invalid_argument("estimate_scale: solver '" + std::string(info.name) +
+                              "' needs a known scale, expected one of: " + able);
+}
+
+void require_scale_can_be_estimated(const SolverOptions& options) {
   if (!options.noise_bound) throw std::invalid_argument("estimate_scale: needs a noise_bound");
   if (options.filter != Filter::none) {
     throw std::invalid_argument("estimate_scale: filter '" + std::string(to_string(options.filter)) +
@@ -131,7 +133,7 @@ Registration register_by_name(std::string_view solver, const Correspondences& co
     for (const SolverInfo& other : kInfos) known.append(known.empty() ? "" : ", ").append(other.name);
     throw std::invalid_argument("solver is '" + std::string(solver) + "', expected one of: " + known);
   }
-  if (options.estimate_scale) require_scale_can_be_estimated(*info, options);
+  if (options.estimate_scale) require_scale_estimation(*info);
   return register_with(
       [&](const Correspondences& rows, double noise_bound, std::uint32_t bounds_tried) {
         return run_on(solver, rows, noise_bound, bounds_tried, options);
@@ -141,6 +143,7 @@ Registration register_by_name(std::string_view solver, const Correspondences& co
 
 Registration register_with(const SolverCall& solver, const Correspondences& correspondences,
                            const SolverOptions& options) {
+  if (options.estimate_scale) require_scale_can_be_estimated(options);
   if (options.noise_bound) return run(solver, correspondences, *options.noise_bound, 1, options);
   StageReport estimation{"noise_bound", correspondences.size(), 0, 0, 0.0};
   NoiseBoundEstimate estimate;
