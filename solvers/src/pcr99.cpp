@@ -28,7 +28,9 @@ namespace {
 constexpr std::size_t kRowsPerTask = 64;
 constexpr std::size_t kFitsPerTask = 64;
 // Batches looked at for a rival among what the best pose does not explain.
-constexpr int kRivalBatches = 2;
+constexpr std::uint32_t kRivalBatches = 2;
+// ... and triples: those of a rival are among the first.
+constexpr std::uint64_t kRivalTriples = 200'000'000;
 
 void require_tolerance(std::string_view name, double value) {
   if (!(value > 0.0)) detail::reject_option(name, value, "noise bounds above 0, or infinity");
@@ -61,7 +63,7 @@ class Search {
 
   /// `rows`: as many of the best-ranked ones as the matrix may have. Offers the poses of at most `batches` of triples;
   /// ends early once the best pose is significant. Returns whether it is, or no triple is left.
-  bool run(std::span<const std::uint32_t> rows, std::uint32_t batches) {
+  bool run(std::span<const std::uint32_t> rows, std::uint32_t batches, std::uint64_t max_triples) {
     const Correspondences ranked = correspondences_.subset(rows);
     ConsistencyMatrix matrix;
     {
@@ -73,7 +75,7 @@ class Search {
     std::vector<IndexTriple> batch;
     std::vector<WorkingPose> hypotheses;
     for (std::uint32_t b = 0; b < batches; ++b) {
-      order.next(std::min(options_.batch, options_.max_hypotheses - b * options_.batch), options_.max_triples, batch);
+      order.next(std::min(options_.batch, options_.max_hypotheses - b * options_.batch), max_triples, batch);
       if (batch.empty()) break;
       triples.iterations += batch.size();
       fit(ranked, batch, hypotheses);
@@ -148,14 +150,14 @@ Registration register_at_known_scale(const Correspondences& correspondences, con
   Search search(correspondences, options);
   search.pairs.input = size;
   search.pairs.output = kept;
-  const bool confident = search.run(std::span(order).first(kept), batches);
+  const bool confident = search.run(std::span(order).first(kept), batches, options.max_triples);
   if (search.poses().best().support.count >= 3) {
     // The first pose that is significant ends the search: another may have as much support.
     std::vector<std::uint32_t> rest;
     for (const std::uint32_t row : order) {
       if (rest.size() < kept && !search.poses().best_explains(row)) rest.push_back(row);
     }
-    search.run(rest, kRivalBatches);
+    search.run(rest, kRivalBatches, std::min(options.max_triples, kRivalTriples));
   }
   search.triples.input = kept;
   search.triples.output = search.poses().best().support.count;

@@ -1,4 +1,5 @@
 #include <consimd/synth/hard_problems.hpp>
+#include <consimd/synth/metrics.hpp>
 
 #include <algorithm>
 #include <array>
@@ -371,7 +372,21 @@ TEST(HardProblem, BadOptionsAreNamed) {
             "duplicates = 18446744073709551615: expected at most 4294967295 rows with the correspondences");
   EXPECT_EQ(message([=](O& o) { o.source_offset[1] = nan; }), "source_offset = nan: expected a finite number");
   EXPECT_EQ(message([=](O& o) { o.target_offset[2] = -nan; }).substr(0, 13), "target_offset");
+  EXPECT_EQ(message([](O& o) { o.scale = -2; }), "scale = -2: expected a finite number > 0");
   EXPECT_EQ(message([](O& o) { o.units_per_metre = 0; }), "units_per_metre = 0: expected a finite number > 0");
+}
+
+TEST(HardProblem, ScaleShrinksTheSourceAlone) {
+  const Problem plain = hard_problem({.correspondences = 200, .outlier_ratio = 0.5});
+  const Problem scaled = hard_problem({.correspondences = 200, .outlier_ratio = 0.5, .scale = 4.0});
+  EXPECT_EQ(plain.scale, 1.0);
+  EXPECT_EQ(scaled.scale, 4.0);
+  EXPECT_EQ(scaled.target, plain.target);
+  EXPECT_EQ(scaled.T_target_source.matrix(), plain.T_target_source.matrix());
+  for (std::size_t k = 0; k < plain.source.size(); ++k) EXPECT_EQ(4.0 * scaled.source[k], plain.source[k]);
+  EXPECT_EQ(rmse_true_inliers(scaled, scaled.T_target_source, 4.0), rmse_true_inliers(plain, plain.T_target_source));
+  EXPECT_EQ(oracle(scaled).matrix(), oracle(plain).matrix());
+  EXPECT_DOUBLE_EQ(scale_error(4.2, scaled.scale), 0.05);
 }
 
 }  // namespace
