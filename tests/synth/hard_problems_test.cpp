@@ -386,7 +386,7 @@ TEST(HardProblem, ScaleShrinksTheSourceAlone) {
   for (std::size_t k = 0; k < plain.source.size(); ++k) EXPECT_EQ(4.0 * scaled.source[k], plain.source[k]);
   EXPECT_EQ(rmse_true_inliers(scaled, scaled.T_target_source, 4.0), rmse_true_inliers(plain, plain.T_target_source));
   EXPECT_EQ(oracle(scaled).matrix(), oracle(plain).matrix());
-  EXPECT_DOUBLE_EQ(scale_error(4.2, scaled.scale), 0.05);
+  EXPECT_NEAR(scale_error(4.2, scaled.scale), 0.05, 1e-12);
 }
 
 }  // namespace
