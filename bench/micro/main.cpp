@@ -1,4 +1,4 @@
-// Benchmarks of the kernels and of whole registrations; takes Google Benchmark's arguments.
+// Benchmarks of the kernels, of the graph stages and of whole registrations; takes Google Benchmark's arguments.
 #include <cstdio>
 #include <exception>
 #include <string>
@@ -9,6 +9,7 @@
 #include <consimd/kernels/isa.hpp>
 
 #include "clock_benchmark.hpp"
+#include "graph_benchmarks.hpp"
 #include "kernel_benchmarks.hpp"
 #include "registration_benchmarks.hpp"
 #include "study/build_info.hpp"
@@ -48,6 +49,7 @@ int main(int argc, char** argv) try {
   describe_build();
   consimd::bench::register_clock_benchmark();
   consimd::bench::register_kernel_benchmarks();
+  consimd::bench::register_graph_benchmarks();
   consimd::bench::register_registration_benchmarks();
   benchmark::RunSpecifiedBenchmarks();
   benchmark::Shutdown();

@@ -1,7 +1,6 @@
 #include "registration_benchmarks.hpp"
 
 #include <algorithm>
-#include <ctime>
 #include <filesystem>
 #include <functional>
 #include <map>
@@ -17,6 +16,7 @@
 #include <consimd/kernels/isa.hpp>
 #include <consimd/solvers/tcf.hpp>
 
+#include "cpu_time.hpp"
 #include "eigen_tcf.hpp"
 #include "peak_memory.hpp"
 #include "registration_tasks.hpp"
@@ -34,18 +34,6 @@ struct Attempt {
   std::vector<StageReport> stages;
 };
 using Solve = std::function<Attempt(const RegistrationTask&, std::uint64_t seed)>;
-
-double thread_seconds() {
-  timespec now{};
-  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);
-  return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
-}
-
-double median(std::vector<double> values) {
-  std::sort(values.begin(), values.end());
-  const std::size_t n = values.size();
-  return n == 0 ? 0.0 : 0.5 * (values[(n - 1) / 2] + values[n / 2]);
-}
 
 void measure(benchmark::State& state, const TaskOf& task_of, const Solve& solve) {
   std::vector<double> milliseconds;

@@ -83,6 +83,29 @@ def kernel_tables(results):
         yield f"### {size} correspondences, in 10^9 a second\n\n" + table(header, rows)
 
 
+def graph_table(results):
+    times = defaultdict(dict)
+    for (stage, outliers, isa), values in results.under("graph/"):
+        times[stage][100 * float(outliers.split(":")[1]), isa] = values["median_ms"]
+    keys = {key for row in times.values() for key in row}
+    shares = sorted({share for share, _ in keys})
+    isas = [isa for isa in ISAS if any(isa == other for _, other in keys)]
+    if not isas:
+        return
+    fastest = isas[-1]
+    header = ["stage"]
+    for share in shares:
+        header += [f"{share:g} %, {isa}" for isa in isas] + [f"scalar / {fastest}"]
+    rows = []
+    for stage, row in times.items():
+        cells = [f"`{stage}`"]
+        for share in shares:
+            cells += [digits(row[share, isa]) if (share, isa) in row else "" for isa in isas]
+            cells.append(ratio(row.get((share, "scalar")), row.get((share, fastest))))
+        rows.append(cells)
+    yield "### Graph stages, 3000 correspondences, sigma 1 m: median ms\n\n" + table(header, rows)
+
+
 def registration_tables(results):
     baselines = {tuple(parts): values for parts, values in results.under("register_eigen/")}
     pruned = {tuple(parts): values for parts, values in results.under("register_eigen_pruned/")}
@@ -136,7 +159,7 @@ def budget_table(results):
 
 
 def tables(results):
-    for make in (kernel_tables, registration_tables, growth_table, budget_table):
+    for make in (kernel_tables, graph_table, registration_tables, growth_table, budget_table):
         yield from make(results)
 
 
