@@ -12,9 +12,9 @@
 #include <consimd/kernels/angle_consistency.hpp>
 #include <consimd/kernels/consistency_matrix.hpp>
 #include <consimd/kernels/length_consistency.hpp>
-#include <consimd/poses/rigid_fit.hpp>
 #include <consimd/kernels/rigid_moments.hpp>
 #include <consimd/kernels/three_point_fit.hpp>
+#include <consimd/poses/rigid_fit.hpp>
 #include <consimd/synth/noise_study.hpp>
 
 namespace {
