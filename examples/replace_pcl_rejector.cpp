@@ -18,6 +18,7 @@
 #include <pcl/registration/correspondence_rejection_sample_consensus.h>
 #include <pcl/registration/transformation_estimation_svd.h>
 
+#include <consimd/kernels/pcl_correspondences.hpp>
 #include <consimd/solvers/tcf.hpp>
 
 #include "before_and_after.hpp"
@@ -64,26 +65,11 @@ Eigen::Matrix4f with_pcl(const Scans& scans, double noise_bound, pcl::Correspond
 }
 
 // --- After.
-
-/// x y z of the points that the matches name.
-std::vector<float> coordinates(const Cloud& cloud, const pcl::Correspondences& matches,
-                               int pcl::Correspondence::*index) {
-  std::vector<float> xyz;
-  for (const pcl::Correspondence& match : matches) {
-    const pcl::PointXYZ& point = cloud.at(static_cast<std::size_t>(match.*index));
-    xyz.insert(xyz.end(), {point.x, point.y, point.z});
-  }
-  return xyz;
-}
-
 Eigen::Matrix4f with_consimd(const Scans& scans, double noise_bound, pcl::Correspondences& kept) {
-  using Points = consimd::PointSpan<float>;
-  const std::vector<float> source = coordinates(*scans.source, scans.matches, &pcl::Correspondence::index_query);
-  const std::vector<float> target = coordinates(*scans.target, scans.matches, &pcl::Correspondence::index_match);
-  const consimd::Correspondences correspondences(Points::interleaved(source.data(), scans.matches.size()),
-                                                 Points::interleaved(target.data(), scans.matches.size()));
+  const consimd::Correspondences correspondences =
+      consimd::pcl_correspondences(*scans.source, *scans.target, scans.matches);
   const consimd::Registration registration = consimd::register_tcf(correspondences, {.noise_bound = noise_bound});
-  for (const std::uint32_t row : registration.inliers) kept.push_back(scans.matches[row]);
+  kept = consimd::matches_subset(scans.matches, registration.inliers);
   return registration.T_target_source.matrix().cast<float>();
 }
 

@@ -197,7 +197,7 @@ TEST(UnknownScaleErrors, SaySo) {
     if (info.estimates_scale) {
       EXPECT_EQ(text, "accepted") << info.name;
     } else {
-      EXPECT_NE(text.find("'" + std::string(info.name) + "' needs a known scale, expected one of: pcr99, teaser"),
+      EXPECT_NE(text.find(std::string("'").append(info.name) + "' needs a known scale, expected one of: pcr99, teaser"),
                 std::string::npos)
           << text;
     }
