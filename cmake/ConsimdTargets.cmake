@@ -47,6 +47,10 @@ function(consimd_configure_library target folder)
       COMMAND ${CMAKE_COMMAND} -DARCHIVE=$<TARGET_FILE:${target}> -DCOMPILER=${CMAKE_CXX_COMPILER} -DNM=${CMAKE_NM}
         -DOBJCOPY=${CMAKE_OBJCOPY} -DAR=${CMAKE_AR} -P ${PROJECT_SOURCE_DIR}/cmake/isolate_archive.cmake)
   endif()
+  # g++ 12 vectorises alternating sums of products with FMA even where contraction is off.
+  if(CMAKE_SYSTEM_PROCESSOR MATCHES "x86_64|AMD64|amd64")
+    target_compile_options(${target} PRIVATE -mno-fma -mno-avx512f)
+  endif()
   # What g++ marks as unique in the process cannot be kept inside a library.
   target_compile_options(${target} PRIVATE $<$<CXX_COMPILER_ID:GNU>:-fno-gnu-unique>)
   # Eigen's vector code adds in an order, and with FMA rounds in a way, that depends on the instruction set. Where the copies of its
