@@ -14,7 +14,6 @@
 #include <gtest/gtest.h>
 #include <Eigen/Eigenvalues>
 
-#include <consimd/synth/metrics.hpp>
 #include <consimd/synth/noise_study.hpp>
 
 namespace consimd::synth {
