@@ -42,16 +42,20 @@ void alignment_scores(const RawView& view, const WorkingPose* poses, std::size_t
     const Batch<Arch> squared(bound * bound);
     InterleavedSum<Arch> sum;
     std::uint32_t count = 0;
-    for (std::size_t begin = 0; begin < view.padded; begin += 64) {
+    const auto add = [&](std::size_t begin, std::size_t end) {
       std::uint64_t word = 0;
-      for (std::size_t k = 0; k < 64; k += kWidth<Arch>) {
+      for (std::size_t k = 0; k < end; k += kWidth<Arch>) {
         const Batch<Arch> r = residual(load<Arch>(view.source, begin + k), load<Arch>(view.target, begin + k));
         const Mask<Arch> supports = r < squared;
         sum.add(k, keep<Arch>(supports, r));
         word |= bitmask(supports) << k;
       }
       count += popcount<Arch>(word);
-    }
+    };
+    // The last word without its padding, which small sets have much of.
+    std::size_t begin = 0;
+    for (; begin + 64 <= view.size; begin += 64) add(begin, 64);
+    if (begin < view.size) add(begin, view.size - begin);
     support[h] = {count, static_cast<float>(count) - sum.total() / (bound * bound)};
   }
 }

@@ -43,8 +43,20 @@ inline void transpose(BitTiles& tiles) {
   exchange_blocks<Arch, 32, 0x00000000ffffffff>(tiles);
 }
 
-/// Tests the tiles on and above the diagonal; those below are their transposes. Works through squares of kTiles x
-/// kTiles tiles, so that what is mirrored is written in whole cache lines.
+/// Bits of the correspondences from `begin` + `first`, a multiple of the width, to `begin` + `end` that pass, in their
+/// places in the word. What follows up to a full register is padding.
+template <typename Arch, typename Test>
+inline std::uint64_t test_part_of_word(const RawView& view, const Test& test, std::size_t begin, std::size_t first,
+                                       std::size_t end) {
+  std::uint64_t word = 0;
+  for (std::size_t k = first; k < end; k += kWidth<Arch>) {
+    word |= bitmask(test(load<Arch>(view.source, begin + k), load<Arch>(view.target, begin + k))) << k;
+  }
+  return word;
+}
+
+/// Tests the tiles above the diagonal, and of those on it what is right of the diagonal; the rest are their transposes.
+/// Works through squares of kTiles x kTiles tiles, so that what is mirrored is written in whole cache lines.
 template <typename Arch, typename Test, typename Bounds>
 void consistency_matrix(const RawView& view, Bounds bounds, std::uint64_t* bits, std::uint32_t* degrees) {
   const std::size_t size = view.size;
@@ -52,37 +64,58 @@ void consistency_matrix(const RawView& view, Bounds bounds, std::uint64_t* bits,
   const auto end_of = [](std::size_t begin, std::size_t length, std::size_t limit) {
     return begin + length < limit ? begin + length : limit;
   };
+  // Of the last word what is not padding, of which small sets have much.
+  const std::size_t last_end = size - (words - 1) * 64;
   for (std::size_t i = 0; i < size; ++i) degrees[i] = 0;
   for (std::size_t top = 0; top < words; top += kTiles) {
     const std::size_t bottom = end_of(top, kTiles, words);
     for (std::size_t left = top; left < words; left += kTiles) {
       const std::size_t right = end_of(left, kTiles, words);
-      BitTiles square[kTiles] = {};
+      BitTiles square[kTiles];  // what is not written does not reach what is read
       for (std::size_t row_word = top; row_word < bottom; ++row_word) {
         BitTiles& tiles = square[row_word - top];
-        const std::size_t first = left == top ? row_word : left;
         for (std::size_t i = row_word * 64; i < end_of(row_word * 64, 64, size); ++i) {
           const Test test[] = {{view, static_cast<std::uint32_t>(i), bounds}};
+          std::uint64_t* const row = bits + i * words;
+          std::uint64_t* const tile_row = tiles.rows[i % 64];
           std::uint32_t degree = 0;
-          for (std::size_t word = first; word < right; ++word) {
+          const auto found = [&](std::size_t word, std::uint64_t consistent) {
+            row[word] = consistent;
+            tile_row[word - left] = consistent;
+            degree += popcount<Arch>(consistent);
+          };
+          std::size_t word = left;
+          if (left == top) {
+            // Counted once it is whole.
+            const std::size_t end = row_word + 1 < words ? 64 : last_end;
+            row[row_word] =
+                test_part_of_word<Arch>(view, test[0], row_word * 64, i % 64 / kWidth<Arch> * kWidth<Arch>, end);
+            tile_row[row_word - left] = row[row_word];
+            word = row_word + 1;
+          }
+          for (; word < end_of(left, kTiles, words - 1); ++word) {
             std::uint64_t consistent[1];
             test_words<Arch>(view, test, word * 64, consistent);
-            bits[i * words + word] = consistent[0];
-            tiles.rows[i % 64][word - left] = consistent[0];
-            degree += popcount<Arch>(consistent[0]);
+            found(word, consistent[0]);
           }
+          if (word < right) found(word, test_part_of_word<Arch>(view, test[0], word * 64, 0, last_end));
           degrees[i] += degree;
         }
+        for (std::size_t i = size; i < (row_word + 1) * 64; ++i) tiles.rows[i % 64][row_word - left] = 0;
         transpose<Arch>(tiles);
       }
       for (std::size_t word = left; word < right; ++word) {
         const std::size_t mirrored_end = word < bottom ? word : bottom;
         for (std::size_t j = word * 64; j < end_of(word * 64, 64, size); ++j) {
+          std::uint64_t* const row = bits + j * words;
           std::uint32_t degree = 0;
           for (std::size_t row_word = top; row_word < mirrored_end; ++row_word) {
-            const std::uint64_t consistent = square[row_word - top].rows[j % 64][word - left];
-            bits[j * words + row_word] = consistent;
-            degree += popcount<Arch>(consistent);
+            row[row_word] = square[row_word - top].rows[j % 64][word - left];
+            degree += popcount<Arch>(row[row_word]);
+          }
+          if (left == top) {
+            row[word] |= square[word - top].rows[j % 64][word - left];
+            degree += popcount<Arch>(row[word]);
           }
           degrees[j] += degree;
         }

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <numbers>
 #include <numeric>
+#include <span>
 #include <vector>
 
 #include "clustering.hpp"
@@ -16,10 +17,14 @@
 namespace consimd::detail {
 namespace {
 
+// Pairings are searched in waves, the later ones only if the first leave doubt.
 constexpr std::uint32_t kPairings = 6;
-constexpr std::uint32_t kSeedsPerPairing = 192;
-// Least scale of the scores' exponential tail, in supporters: six pairings tell their own only roughly.
+constexpr std::uint32_t kWave = 3;
+constexpr std::uint32_t kSeedsPerPairing = 96;
+// Least scale of the scores' exponential tail, in supporters: so few pairings tell their own only roughly.
 constexpr double kLeastTail = 0.35;
+// log10 of false poses beyond which a first wave is believed.
+constexpr double kClearly = 1.0;
 
 // Fewer correspondences have scores in steps too coarse for a tail, and few triples for the closed form to count.
 constexpr std::size_t kFew = 128;
@@ -52,6 +57,18 @@ double chance_score(const Correspondences& pairing, const TcfOptions& options) {
   return std::max<double>(kLeastScore, search.best().support.score);
 }
 
+// log10 of the expected number of scores above `score`, of greatest values like these of `times` as many seeds.
+double log10_of_greater(std::span<const double> greatest, double score, double times) {
+  const auto count = static_cast<double>(greatest.size());
+  const double mean = std::accumulate(greatest.begin(), greatest.end(), 0.0) / count;
+  double squares = 0.0;
+  for (const double value : greatest) squares += (value - mean) * (value - mean);
+  // Greatest values scatter by pi / sqrt 6 times the scale of their tail, and grow by it with the logarithm of the
+  // number of seeds.
+  const double tail = std::max(kLeastTail, std::sqrt(6.0 * squares / (count - 1.0)) / std::numbers::pi);
+  return std::min(0.0, (mean - score) / tail + std::log(times)) / std::numbers::ln10;
+}
+
 }  // namespace
 
 double log10_false_poses(const Correspondences& correspondences, const TcfOptions& options, const PoseCandidate& best,
@@ -70,27 +87,21 @@ double log10_chance_of_score(const Correspondences& correspondences, const TcfOp
   std::vector<std::uint32_t> sources(correspondences.size());
   std::iota(sources.begin(), sources.end(), 0U);
   std::array<double, kPairings> scores{};
-  tbb::parallel_for(0U, kPairings, [&](std::uint32_t p) {
-    TcfOptions chance_options = options;
-    chance_options.max_seeds = max_seeds;
-    chance_options.seed = options.seed + p;
-    Correspondences pairing;
-    pairing.assign_pairs(correspondences, sources, targets[p]);
-    scores[p] = chance_score(pairing, chance_options);
-  });
-  double sum = 0.0;
-  double squares = 0.0;
-  for (const double best : scores) {
-    sum += best;
-    squares += best * best;
+  double log10_poses = 0.0;
+  for (std::uint32_t first = 0; first < kPairings; first += kWave) {
+    tbb::parallel_for(first, first + kWave, [&](std::uint32_t p) {
+      TcfOptions chance_options = options;
+      chance_options.max_seeds = max_seeds;
+      chance_options.seed = options.seed + p;
+      Correspondences pairing;
+      pairing.assign_pairs(correspondences, sources, targets[p]);
+      scores[p] = chance_score(pairing, chance_options);
+    });
+    log10_poses =
+        log10_of_greater(std::span(scores).first(first + kWave), score, static_cast<double>(seeds) / max_seeds);
+    if (std::abs(log10_poses - kSignificant) > kClearly) break;
   }
-  const double mean = sum / kPairings;
-  const double deviation = std::sqrt(std::max(0.0, (squares - sum * mean) / (kPairings - 1)));
-  // Greatest values scatter by pi / sqrt 6 times the scale of their tail, and grow by it with the logarithm of the
-  // number of seeds.
-  const double tail = std::max(kLeastTail, deviation * std::sqrt(6.0) / std::numbers::pi);
-  const double more_seeds = std::log(static_cast<double>(seeds) / max_seeds);
-  return std::min(0.0, (mean - score) / tail + more_seeds) / std::numbers::ln10;
+  return log10_poses;
 }
 
 }  // namespace consimd::detail

@@ -44,25 +44,25 @@ void split(const CorrespondenceView& view, Rows rows, std::vector<Rows>& blocks)
   split(view, rows.subspan(half), blocks);
 }
 
-double diameter(const CorrespondenceView& view, Rows rows) {
-  double largest = 0.0;
-  for (const std::uint32_t i : rows) {
-    for (const std::uint32_t j : rows) {
-      largest = std::max(largest, distance(source_point(view, i), source_point(view, j)));
-    }
+float squared_diameter(const CorrespondenceView& view, Rows rows) {
+  float largest = 0.0F;
+  for (std::size_t a = 0; a < rows.size(); ++a) {
+    const Point p = source_point(view, rows[a]);
+    for (const std::uint32_t b : rows.first(a)) largest = std::max(largest, squared_distance(p, source_point(view, b)));
   }
   return largest;
 }
 
-// Number of pairs, one row from each block, whose targets are within `bound`; a row is no pair with itself.
-double close_targets(const CorrespondenceView& view, Rows block, Rows other, double bound) {
-  double close = 0.0;
+// Number of pairs, one row from each block, whose targets are closer than a bound; a row is no pair with itself.
+double close_targets(const CorrespondenceView& view, Rows block, Rows other, float squared_bound) {
+  std::size_t close = 0;
   for (const std::uint32_t i : block) {
+    const Point p = target_point(view, i);
     for (const std::uint32_t j : other) {
-      close += i != j && distance(target_point(view, i), target_point(view, j)) < bound ? 1.0 : 0.0;
+      close += i != j && squared_distance(p, target_point(view, j)) < squared_bound ? 1U : 0U;
     }
   }
-  return close;
+  return static_cast<double>(close);
 }
 
 }  // namespace
@@ -79,11 +79,11 @@ double clustered_share(const CorrespondenceView& view) {
   for (std::size_t b = 0; b < blocks.size(); ++b) {
     const Rows block = blocks[b];
     const Rows other = blocks[(b + blocks.size() / 2) % blocks.size()];
-    const double bound = diameter(view, block);
-    near += close_targets(view, block, block, bound);
+    const float squared_bound = squared_diameter(view, block);
+    near += close_targets(view, block, block, squared_bound);
     near_trials += static_cast<double>(block.size() * (block.size() - 1));
     if (blocks.size() == 1) break;
-    far += close_targets(view, block, other, bound);
+    far += close_targets(view, block, other, squared_bound);
     far_trials += static_cast<double>(block.size() * other.size());
   }
   if (near_trials == 0.0 || far_trials == 0.0 || far == far_trials) return 0.0;
