@@ -1,6 +1,7 @@
 #include "residual_mixture.hpp"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <numbers>
 #include <numeric>
@@ -20,13 +21,15 @@ constexpr double kLeastScale = 1.0 / 12.0;
 
 // K of ResidualMixture.
 double normalisation(std::uint32_t exponent) {
-  const auto e = static_cast<double>(exponent);
-  return std::tgamma(e) / (std::tgamma(e - 1.5) * std::pow(2.0 * std::numbers::pi * e, 1.5));
-}
-
-double power(double y, std::uint32_t exponent) {
-  for (; exponent > 1; exponent /= 2) y *= y;
-  return y;
+  static const auto by_squarings = [] {
+    std::array<double, 7> values{};
+    for (std::size_t squarings = 1; squarings < values.size(); ++squarings) {
+      const auto e = static_cast<double>(1U << squarings);
+      values[squarings] = std::tgamma(e) / (std::tgamma(e - 1.5) * std::pow(2.0 * std::numbers::pi * e, 1.5));
+    }
+    return values;
+  }();
+  return by_squarings.at(static_cast<std::size_t>(std::countr_zero(exponent)));
 }
 
 double ball(double radius) { return 4.0 / 3.0 * std::numbers::pi * radius * radius * radius; }
@@ -58,20 +61,29 @@ void fit_mixture(const ResidualHistogram& histogram, ResidualMixture& mixture, i
     const double peak = mixture.inliers * k / (mixture.scale * mixture.scale * mixture.scale);
     const double curvature = 1.0 / (2.0 * exponent * mixture.scale * mixture.scale);
     const bool last = round == rounds;
-    double inliers = 0.0;
-    double spread = 0.0;
-    double outliers = 0.0;
-    for (std::size_t b = 0; b < kResidualBins; ++b) {
-      const double y = 1.0 + squared[b] * curvature;
-      const double inlier_density = peak / power(y, exponent);
-      const double density = inlier_density + mixture.outlier_density;
-      const double weight = histogram.counts[b] * inlier_density / density;
-      inliers += weight;
-      spread += weight * squared[b] / y;
-      outliers += histogram.counts[b] - weight;
-      if (last) mixture.log_likelihood += histogram.counts[b] * std::log(density * volume[b]) - density * volume[b];
+    // Bin by bin in loops that vectorise; what is summed is summed in order.
+    std::array<double, kResidualBins> y{};
+    for (std::size_t b = 0; b < kResidualBins; ++b) y[b] = 1.0 + squared[b] * curvature;
+    std::array<double, kResidualBins> power = y;
+    for (std::uint32_t reached = 1; reached < exponent; reached *= 2) {
+      for (double& p : power) p *= p;
     }
-    if (last) break;
+    std::array<double, kResidualBins> weights{};  // inliers in the bin
+    std::array<double, kResidualBins> spreads{};
+    for (std::size_t b = 0; b < kResidualBins; ++b) {
+      weights[b] = histogram.counts[b] * peak / (peak + mixture.outlier_density * power[b]);
+      spreads[b] = weights[b] * squared[b] / y[b];
+    }
+    if (last) {
+      for (std::size_t b = 0; b < kResidualBins; ++b) {
+        const double expected = (peak / power[b] + mixture.outlier_density) * volume[b];
+        mixture.log_likelihood += histogram.counts[b] * std::log(expected) - expected;
+      }
+      break;
+    }
+    const double inliers = std::accumulate(weights.begin(), weights.end(), 0.0);
+    const double spread = std::accumulate(spreads.begin(), spreads.end(), 0.0);
+    const double outliers = std::accumulate(histogram.counts.begin(), histogram.counts.end(), 0.0) - inliers;
     const double former = mixture.scale;
     mixture.inliers = std::max(inliers, 1.0);
     mixture.outlier_density = (outliers + 0.5) / ball(histogram.cutoff);
