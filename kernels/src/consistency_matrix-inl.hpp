@@ -55,61 +55,68 @@ inline std::uint64_t test_part_of_word(const RawView& view, const Test& test, st
   return word;
 }
 
-/// Tests the tiles above the diagonal, and of those on it what is right of the diagonal; the rest are their transposes.
-/// Works through squares of kTiles x kTiles tiles, so that what is mirrored is written in whole cache lines.
+template <typename Arch>
+inline std::size_t least(std::size_t a, std::size_t b) {
+  return a < b ? a : b;
+}
+
+/// Tests the 64 rows of a word of rows against the words [left, right): all of them right of the diagonal, of the word
+/// on the diagonal what follows the row's own register, and nothing left of it. Degrees leave the word on the diagonal
+/// out, which is not whole yet. `tiles` gets what the rows get.
+template <typename Arch, typename Test, typename Bounds>
+void test_rows(const RawView& view, Bounds bounds, std::size_t row_word, std::size_t left, std::size_t right,
+               std::uint64_t* bits, std::uint32_t* degrees, BitTiles& tiles) {
+  const std::size_t words = view.padded / 64;
+  // Of the last word what is not padding, of which small sets have much.
+  const std::size_t last_end = view.size - (words - 1) * 64;
+  for (std::size_t i = row_word * 64; i < least<Arch>(row_word * 64 + 64, view.size); ++i) {
+    const Test test[] = {{view, static_cast<std::uint32_t>(i), bounds}};
+    const auto found = [&](std::size_t word, std::uint64_t consistent) {
+      bits[i * words + word] = consistent;
+      tiles.rows[i % 64][word - left] = consistent;
+      return popcount<Arch>(consistent);
+    };
+    std::size_t word = left;
+    if (left <= row_word) {
+      const std::size_t first = i % 64 / kWidth<Arch> * kWidth<Arch>;
+      const std::size_t end = row_word + 1 < words ? 64 : last_end;
+      found(row_word, test_part_of_word<Arch>(view, test[0], row_word * 64, first, end));
+      word = row_word + 1;
+    }
+    std::uint32_t degree = 0;
+    for (; word < least<Arch>(right, words - 1); ++word) {
+      std::uint64_t consistent[1];
+      test_words<Arch>(view, test, word * 64, consistent);
+      degree += found(word, consistent[0]);
+    }
+    if (word < right) degree += found(word, test_part_of_word<Arch>(view, test[0], word * 64, 0, last_end));
+    degrees[i] += degree;
+  }
+}
+
+/// Tests what is above the diagonal; the rest is its transpose. Works through squares of kTiles x kTiles tiles, so that
+/// what is mirrored is written in whole cache lines.
 template <typename Arch, typename Test, typename Bounds>
 void consistency_matrix(const RawView& view, Bounds bounds, std::uint64_t* bits, std::uint32_t* degrees) {
   const std::size_t size = view.size;
   const std::size_t words = view.padded / 64;
-  const auto end_of = [](std::size_t begin, std::size_t length, std::size_t limit) {
-    return begin + length < limit ? begin + length : limit;
-  };
-  // Of the last word what is not padding, of which small sets have much.
-  const std::size_t last_end = size - (words - 1) * 64;
   for (std::size_t i = 0; i < size; ++i) degrees[i] = 0;
   for (std::size_t top = 0; top < words; top += kTiles) {
-    const std::size_t bottom = end_of(top, kTiles, words);
+    const std::size_t bottom = least<Arch>(top + kTiles, words);
     for (std::size_t left = top; left < words; left += kTiles) {
-      const std::size_t right = end_of(left, kTiles, words);
+      const std::size_t right = least<Arch>(left + kTiles, words);
       BitTiles square[kTiles];  // what is not written does not reach what is read
       for (std::size_t row_word = top; row_word < bottom; ++row_word) {
         BitTiles& tiles = square[row_word - top];
-        for (std::size_t i = row_word * 64; i < end_of(row_word * 64, 64, size); ++i) {
-          const Test test[] = {{view, static_cast<std::uint32_t>(i), bounds}};
-          std::uint64_t* const row = bits + i * words;
-          std::uint64_t* const tile_row = tiles.rows[i % 64];
-          std::uint32_t degree = 0;
-          const auto found = [&](std::size_t word, std::uint64_t consistent) {
-            row[word] = consistent;
-            tile_row[word - left] = consistent;
-            degree += popcount<Arch>(consistent);
-          };
-          std::size_t word = left;
-          if (left == top) {
-            // Counted once it is whole.
-            const std::size_t end = row_word + 1 < words ? 64 : last_end;
-            row[row_word] =
-                test_part_of_word<Arch>(view, test[0], row_word * 64, i % 64 / kWidth<Arch> * kWidth<Arch>, end);
-            tile_row[row_word - left] = row[row_word];
-            word = row_word + 1;
-          }
-          for (; word < end_of(left, kTiles, words - 1); ++word) {
-            std::uint64_t consistent[1];
-            test_words<Arch>(view, test, word * 64, consistent);
-            found(word, consistent[0]);
-          }
-          if (word < right) found(word, test_part_of_word<Arch>(view, test[0], word * 64, 0, last_end));
-          degrees[i] += degree;
-        }
+        test_rows<Arch, Test>(view, bounds, row_word, left, right, bits, degrees, tiles);
         for (std::size_t i = size; i < (row_word + 1) * 64; ++i) tiles.rows[i % 64][row_word - left] = 0;
         transpose<Arch>(tiles);
       }
       for (std::size_t word = left; word < right; ++word) {
-        const std::size_t mirrored_end = word < bottom ? word : bottom;
-        for (std::size_t j = word * 64; j < end_of(word * 64, 64, size); ++j) {
+        for (std::size_t j = word * 64; j < least<Arch>(word * 64 + 64, size); ++j) {
           std::uint64_t* const row = bits + j * words;
           std::uint32_t degree = 0;
-          for (std::size_t row_word = top; row_word < mirrored_end; ++row_word) {
+          for (std::size_t row_word = top; row_word < least<Arch>(word, bottom); ++row_word) {
             row[row_word] = square[row_word - top].rows[j % 64][word - left];
             degree += popcount<Arch>(row[row_word]);
           }
