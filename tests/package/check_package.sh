@@ -67,8 +67,10 @@ done
 consume find_package-native -DCMAKE_PREFIX_PATH="$work-native/prefix"
 consume find_package-kernels -DKERNELS_ONLY=ON -DCMAKE_PREFIX_PATH="$work-kernels/prefix" \
   -DCMAKE_DISABLE_FIND_PACKAGE_Eigen3=ON -DCMAKE_DISABLE_FIND_PACKAGE_TBB=ON
-consume add_subdirectory-static -DCONSIMD_FROM=add_subdirectory -DCONSIMD_CHECKOUT="$root"
-consume FetchContent-shared -DCONSIMD_FROM=FetchContent -DCONSIMD_CHECKOUT="$root" -DBUILD_SHARED_LIBS=ON
+# With the flags of the release build, so that ccache knows these objects too.
+werror=-DCONSIMD_WERROR=${CONSIMD_WERROR:-OFF}
+consume add_subdirectory-static -DCONSIMD_FROM=add_subdirectory -DCONSIMD_CHECKOUT="$root" "$werror"
+consume FetchContent-shared -DCONSIMD_FROM=FetchContent -DCONSIMD_CHECKOUT="$root" "$werror" -DBUILD_SHARED_LIBS=ON
 
 say "project: examples"
 quietly cmake -S "$root/examples" -B "$work/examples" -G Ninja -DCMAKE_BUILD_TYPE=Release -DCMAKE_PREFIX_PATH="$static/prefix"
