@@ -40,9 +40,9 @@ create_package() {
 }
 
 quietly "$venv/bin/conan" remove --confirm 'consimd/*'
-create_package
-create_package --options '&:shared=True'
 create_package --options '&:kernels_only=True'
+create_package --options '&:shared=True'
+create_package  # last: it leaves the programs of which one is run below
 
 # --- vcpkg --------------------------------------------------------------------------------------------------------------
 
