@@ -109,6 +109,12 @@ Input read_input(int argc, char** argv, std::string_view about, const consimd::s
   }
 }
 
+double distance(const std::vector<double>& points, std::uint32_t i, std::uint32_t j) {
+  return (Eigen::Map<const Eigen::Vector3d>(&points[std::size_t{3} * i]) -
+          Eigen::Map<const Eigen::Vector3d>(&points[std::size_t{3} * j]))
+      .norm();
+}
+
 consimd::RigidTransform least_squares_pose(const consimd::synth::Problem& problem,
                                            std::span<const std::uint32_t> rows) {
   Eigen::Matrix3Xd source(3, rows.size()), target(3, rows.size());
@@ -146,6 +152,12 @@ bool is_good(const Input& input, const consimd::RigidTransform& T_target_source)
 bool all_good(const Input& input, const Method& method) {
   return std::all_of(method.runs.begin(), method.runs.end(),
                      [&](const Run& run) { return is_good(input, run.T_target_source); });
+}
+
+bool same_poses(const Method& a, const Method& b) {
+  return std::equal(a.runs.begin(), a.runs.end(), b.runs.begin(), b.runs.end(), [](const Run& x, const Run& y) {
+    return x.T_target_source.matrix() == y.T_target_source.matrix();
+  });
 }
 
 double median(std::vector<double> values) {

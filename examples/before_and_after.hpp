@@ -1,6 +1,7 @@
 // What every example does beside its subject: read a problem, compare methods in a table, check their poses.
 #pragma once
 
+#include <atomic>
 #include <chrono>
 #include <cstdint>
 #include <span>
@@ -26,6 +27,9 @@ struct Input {
 [[nodiscard]] Input read_input(int argc, char** argv, std::string_view about,
                                const consimd::synth::NoiseStudyOptions& synthetic);
 
+/// Between the points of two rows of `points`, N x 3.
+[[nodiscard]] double distance(const std::vector<double>& points, std::uint32_t i, std::uint32_t j);
+
 /// Least-squares rigid motion of the given rows; Eigen's umeyama, so nothing of consimd.
 [[nodiscard]] consimd::RigidTransform least_squares_pose(const consimd::synth::Problem& problem,
                                                          std::span<const std::uint32_t> rows);
@@ -50,6 +54,32 @@ struct Method {
 void print_table(const Input& input, std::span<const Method> methods);
 
 [[nodiscard]] bool all_good(const Input& input, const Method& method);
+
+/// Whether the poses of all runs have the same bits.
+[[nodiscard]] bool same_poses(const Method& a, const Method& b);
+
+/// How many tasks run at once, at most. A task holds a Running.
+class TaskGauge {
+ public:
+  class Running {
+   public:
+    explicit Running(TaskGauge& gauge) : gauge_(gauge) {
+      const int now = ++gauge_.running_;
+      for (int seen = gauge_.most_; seen < now && !gauge_.most_.compare_exchange_weak(seen, now);) {
+      }
+    }
+    ~Running() { --gauge_.running_; }
+    Running(const Running&) = delete;
+    Running& operator=(const Running&) = delete;
+
+   private:
+    TaskGauge& gauge_;
+  };
+  [[nodiscard]] int most() const { return most_; }
+
+ private:
+  std::atomic<int> running_ = 0, most_ = 0;
+};
 
 /// Prints what was checked and whether it holds, and returns the latter.
 bool check(bool holds, std::string_view what);

@@ -10,14 +10,8 @@
 // across a parallel call, and keep no thread-local state across one (or wrap the call in
 // tbb::this_task_arena::isolate), since a waiting thread may start on another scan.
 #include <algorithm>
-#include <atomic>
 #include <cmath>
-#include <cstdint>
-#include <cstdio>
 #include <random>
-#include <span>
-#include <string>
-#include <vector>
 
 #include <oneapi/tbb/parallel_for.h>
 #include <oneapi/tbb/task_arena.h>
@@ -38,18 +32,16 @@ constexpr std::size_t kTasksPerRound = 16;  // between two looks at the stopping
 constexpr std::size_t kMaxSamples = 1'000'000;
 constexpr double kConfidence = 0.99;
 
-using Counts = std::span<std::uint32_t>;
-
 // --- Before: one pose after the other. Of the loops and expressions that are quickly written the fastest, in single
 // precision as the kernels are.
-class EigenScorer {
+class EigenCounter {
  public:
-  explicit EigenScorer(const example::Input& input)
+  explicit EigenCounter(const example::Input& input)
       : p_(columns(input.problem.source)),
         q_(columns(input.problem.target)),
         squared_bound_(static_cast<float>(input.noise_bound * input.noise_bound)) {}
 
-  void operator()(std::span<const IndexTriple> samples, Counts counts) const {
+  void operator()(std::span<const IndexTriple> samples, std::span<std::uint32_t> counts) const {
     for (std::size_t h = 0; h < samples.size(); ++h) {
       const auto [i, j, k] = samples[h];
       Eigen::Matrix3f source, target;
@@ -73,12 +65,12 @@ class EigenScorer {
 };
 
 // --- After: all samples of a task in two calls.
-class KernelScorer {
+class KernelCounter {
  public:
-  explicit KernelScorer(const example::Input& input)
+  explicit KernelCounter(const example::Input& input)
       : correspondences_(input.problem.correspondences()), noise_bound_(input.noise_bound) {}
 
-  void operator()(std::span<const IndexTriple> samples, Counts counts) const {
+  void operator()(std::span<const IndexTriple> samples, std::span<std::uint32_t> counts) const {
     std::vector<consimd::WorkingPose> poses(samples.size());
     consimd::three_point_fits(correspondences_, samples, poses);
     consimd::alignment_counts(correspondences_, poses, noise_bound_, counts);
@@ -91,108 +83,76 @@ class KernelScorer {
 
 // --- The loop, the same for both.
 
-/// How many tasks run at this moment, and at most did.
-class Gauge {
- public:
-  explicit Gauge(std::atomic<int>& most) {
-    const int now = ++running;
-    for (int seen = most; seen < now && !most.compare_exchange_weak(seen, now);) {
-    }
-  }
-  ~Gauge() { --running; }
-  Gauge(const Gauge&) = delete;
-  Gauge& operator=(const Gauge&) = delete;
-
- private:
-  static inline std::atomic<int> running = 0;
-};
-
-struct Loop {
-  const example::Input& input;
-  bool check_lengths;  ///< fit only samples whose lengths agree in both clouds
-  std::atomic<int>& most_tasks_at_once;
-
-  /// Samples of a task: a function of scan and task alone, whatever thread draws them.
-  [[nodiscard]] std::vector<IndexTriple> samples(std::size_t scan, std::size_t task) const {
-    std::mt19937_64 random((scan << 32) + task);
-    std::uniform_int_distribution<std::uint32_t> row(0, static_cast<std::uint32_t>(input.problem.size() - 1));
-    std::vector<IndexTriple> drawn;
-    for (std::size_t n = 0; n < kSamplesPerTask; ++n) {
-      const IndexTriple s{row(random), row(random), row(random)};
-      if (usable(s.first, s.second) && usable(s.second, s.third) && usable(s.third, s.first)) drawn.push_back(s);
-    }
-    return drawn;
-  }
-
-  /// Too near, or the same point in two rows, two correspondences hardly fix a rotation.
-  [[nodiscard]] bool usable(std::uint32_t i, std::uint32_t j) const {
-    const auto length = [i, j](const std::vector<double>& points) {
-      return (Eigen::Map<const Eigen::Vector3d>(&points[std::size_t{3} * i]) -
-              Eigen::Map<const Eigen::Vector3d>(&points[std::size_t{3} * j]))
-          .norm();
-    };
-    const double source = length(input.problem.source), target = length(input.problem.target);
-    const double bound = 2.0 * input.noise_bound;
+/// Samples of a task: a function of scan and task alone, whatever thread draws them. Too near, or the same point in two
+/// rows, two correspondences hardly fix a rotation. check_lengths leaves out those whose lengths differ in the clouds.
+std::vector<IndexTriple> draw(const example::Input& input, bool check_lengths, std::size_t scan, std::size_t task) {
+  const double bound = 2.0 * input.noise_bound;
+  const auto usable = [&](std::uint32_t i, std::uint32_t j) {
+    const double source = example::distance(input.problem.source, i, j);
+    const double target = example::distance(input.problem.target, i, j);
     return std::min(source, target) > bound && (!check_lengths || std::abs(source - target) < bound);
-  }
-
-  struct Best {
-    IndexTriple sample{};
-    std::uint32_t count = 0;
   };
-
-  template <typename Scorer>
-  RigidTransform ransac(const Scorer& scorer, std::size_t scan) const {
-    Best best;
-    std::vector<Best> bests(kTasksPerRound);
-    double needed = kMaxSamples;
-    for (std::size_t round = 0; static_cast<double>(round * kTasksPerRound * kSamplesPerTask) < needed; ++round) {
-      tbb::parallel_for(std::size_t{0}, kTasksPerRound, [&](std::size_t task) {
-        const Gauge gauge(most_tasks_at_once);
-        const std::vector<IndexTriple> drawn = samples(scan, round * kTasksPerRound + task);
-        std::vector<std::uint32_t> counts(drawn.size());
-        scorer(drawn, counts);
-        bests[task] = {};
-        for (std::size_t h = 0; h < drawn.size(); ++h) {
-          if (counts[h] > bests[task].count) bests[task] = {drawn[h], counts[h]};
-        }
-      });
-      // In the order of the tasks, not in that of their ends: the same result on any number of threads.
-      for (const Best& candidate : bests) {
-        if (candidate.count > best.count) best = candidate;
-      }
-      const double inliers = static_cast<double>(best.count) / static_cast<double>(input.problem.size());
-      needed = std::min(needed, std::log(1.0 - kConfidence) / std::log1p(-std::pow(inliers, 3)));
-    }
-    if (best.count == 0) return RigidTransform::Identity();
-    const std::uint32_t rows[] = {best.sample.first, best.sample.second, best.sample.third};
-    return example::refit(input, example::least_squares_pose(input.problem, rows));
+  std::mt19937_64 random((scan << 32) + task);
+  std::uniform_int_distribution<std::uint32_t> row(0, static_cast<std::uint32_t>(input.problem.size() - 1));
+  std::vector<IndexTriple> drawn;
+  for (std::size_t n = 0; n < kSamplesPerTask; ++n) {
+    const IndexTriple s{row(random), row(random), row(random)};
+    if (usable(s.first, s.second) && usable(s.second, s.third) && usable(s.third, s.first)) drawn.push_back(s);
   }
+  return drawn;
+}
+
+struct Best {
+  IndexTriple sample{};
+  std::uint32_t count = 0;
 };
 
-/// Registers `runs` scans, all at once, in the caller's arena. Here they are the same scan with other samples.
-template <typename Scorer>
-example::Method register_scans(const std::string& name, const Loop& loop, tbb::task_arena& arena) {
-  std::vector<RigidTransform> poses(loop.input.runs);
+template <typename Counter>
+RigidTransform ransac(const example::Input& input, bool check_lengths, std::size_t scan, example::TaskGauge& gauge) {
+  const Counter count_inliers(input);
+  Best best;
+  std::vector<Best> bests(kTasksPerRound);
+  double needed = kMaxSamples;
+  for (std::size_t round = 0; static_cast<double>(round * kTasksPerRound * kSamplesPerTask) < needed; ++round) {
+    tbb::parallel_for(std::size_t{0}, kTasksPerRound, [&](std::size_t task) {
+      const example::TaskGauge::Running running(gauge);
+      const std::vector<IndexTriple> samples = draw(input, check_lengths, scan, round * kTasksPerRound + task);
+      std::vector<std::uint32_t> counts(samples.size());
+      count_inliers(samples, counts);
+      const auto largest = std::max_element(counts.begin(), counts.end());
+      bests[task] = largest == counts.end()
+                        ? Best{}
+                        : Best{samples[static_cast<std::size_t>(largest - counts.begin())], *largest};
+    });
+    // In the order of the tasks, not in that of their ends: the same result on any number of threads.
+    for (const Best& candidate : bests) {
+      if (candidate.count > best.count) best = candidate;
+    }
+    const double inliers = static_cast<double>(best.count) / static_cast<double>(input.problem.size());
+    needed = std::min(needed, std::log(1.0 - kConfidence) / std::log1p(-std::pow(inliers, 3)));
+  }
+  if (best.count == 0) return RigidTransform::Identity();
+  const std::uint32_t rows[] = {best.sample.first, best.sample.second, best.sample.third};
+  return example::refit(input, example::least_squares_pose(input.problem, rows));
+}
+
+// --- The caller: registers `runs` scans at once, in its arena. Here they are the same scan with other samples.
+template <typename Counter>
+example::Method register_scans(const char* name, const example::Input& input, bool check_lengths,
+                               tbb::task_arena& arena, example::TaskGauge& gauge) {
+  example::Method method{name, std::vector<example::Run>(input.runs)};
   std::vector<double> seconds(3);
   for (double& repetition : seconds) {
     repetition = example::seconds_of([&] {
       arena.execute([&] {
-        tbb::parallel_for(std::size_t{0}, poses.size(),
-                          [&](std::size_t scan) { poses[scan] = loop.ransac(Scorer(loop.input), scan); });
+        tbb::parallel_for(std::size_t{0}, input.runs, [&](std::size_t scan) {
+          method.runs[scan].T_target_source = ransac<Counter>(input, check_lengths, scan, gauge);
+        });
       });
     });
   }
-  const double seconds_per_scan = example::median(seconds) / static_cast<double>(poses.size());
-  example::Method method{name, {}};
-  for (const RigidTransform& pose : poses) method.runs.push_back({pose, seconds_per_scan});
+  for (example::Run& run : method.runs) run.seconds = example::median(seconds) / static_cast<double>(input.runs);
   return method;
-}
-
-bool same_bits(const example::Method& a, const example::Method& b) {
-  return std::equal(a.runs.begin(), a.runs.end(), b.runs.begin(), b.runs.end(), [](const auto& x, const auto& y) {
-    return x.T_target_source.matrix() == y.T_target_source.matrix();
-  });
 }
 
 }  // namespace
@@ -202,26 +162,23 @@ int main(int argc, char** argv) {
       argc, argv, "RANSAC that counts inliers with Eigen, then with consimd, in a task arena of the caller.",
       {.correspondences = 3000, .outlier_ratio = 0.9, .sigma = 0.2});
 
-  constexpr int kThreads = 2;
-  tbb::task_arena one(1), two(kThreads);
-  std::atomic<int> most_in_one = 0, most_in_two = 0;
-  const Loop in_one{input, false, most_in_one}, in_two{input, false, most_in_two};
-  const Loop checked{input, true, most_in_one};
+  tbb::task_arena one(1), two(2);
+  example::TaskGauge in_one, in_two;
   const std::vector<example::Method> methods = {
-      register_scans<EigenScorer>("Eigen, 1 thread", in_one, one),
-      register_scans<KernelScorer>("consimd, 1 thread", in_one, one),
-      register_scans<EigenScorer>("Eigen, 2 threads", in_two, two),
-      register_scans<KernelScorer>("consimd, 2 threads", in_two, two),
-      register_scans<EigenScorer>("Eigen, lengths checked, 1 thread", checked, one),
-      register_scans<KernelScorer>("consimd, lengths checked, 1 thr.", checked, one),
+      register_scans<EigenCounter>("Eigen, 1 thread", input, false, one, in_one),
+      register_scans<KernelCounter>("consimd, 1 thread", input, false, one, in_one),
+      register_scans<EigenCounter>("Eigen, 2 threads", input, false, two, in_two),
+      register_scans<KernelCounter>("consimd, 2 threads", input, false, two, in_two),
+      register_scans<EigenCounter>("Eigen, lengths checked, 1 thread", input, true, one, in_one),
+      register_scans<KernelCounter>("consimd, lengths checked, 1 thr.", input, true, one, in_one),
   };
   example::print_table(input, methods);
 
   bool fine = example::check(std::ranges::all_of(methods, [&](const auto& m) { return all_good(input, m); }),
                              "every pose is good");
-  fine &= example::check(same_bits(methods[1], methods[3]), "1 and 2 threads give the same bits");
-  const std::string most = std::to_string(most_in_one) + " and " + std::to_string(most_in_two);
-  fine &= example::check(most_in_one == 1 && most_in_two <= kThreads,
-                         "no more tasks at once than the arenas' 1 and " + std::to_string(kThreads) + ": " + most);
+  fine &= example::check(same_poses(methods[1], methods[3]), "1 and 2 threads give the same bits");
+  fine &= example::check(in_one.most() == 1 && in_two.most() <= 2,
+                         "no more tasks at once than the arenas' 1 and 2: " + std::to_string(in_one.most()) + " and " +
+                             std::to_string(in_two.most()));
   return fine ? 0 : 1;
 }

@@ -1,4 +1,5 @@
-// All that the vector bodies use of xsimd, and the few operations that xsimd 8.1 lacks or gets wrong.
+// All that the vector bodies use of xsimd, and the few operations that its versions (8.1 to 14) lack, get wrong or disagree
+// on.
 // Only ISA-specific sources include this. Everything here is a template over, or takes, a type of one architecture, so
 // no symbol compiled for a wide instruction set can be picked by the linker for a narrow one.
 #pragma once
@@ -18,22 +19,30 @@ using Mask = xsimd::batch_bool<float, Arch>;
 template <typename Arch>
 inline constexpr std::size_t kWidth = Batch<Arch>::size;
 
-/// a > b ? a : b, so b where either is NaN; `smaller` likewise.
+/// a > b ? a : b, so b where either is NaN; `smaller` likewise. Versions of xsimd differ in what theirs do with NaN.
 template <typename Arch>
 inline Batch<Arch> larger(const Batch<Arch>& a, const Batch<Arch>& b) {
-#if XSIMD_WITH_NEON64
-  return xsimd::select(a > b, a, b);  // its maximum returns the NaN
+#if XSIMD_WITH_AVX512BW
+  return _mm512_max_ps(a, b);
+#elif XSIMD_WITH_AVX2
+  return _mm256_max_ps(a, b);
+#elif XSIMD_WITH_NEON64
+  return xsimd::select(a > b, a, b);
 #else
-  return xsimd::max(a, b);
+  return _mm_max_ps(a, b);
 #endif
 }
 
 template <typename Arch>
 inline Batch<Arch> smaller(const Batch<Arch>& a, const Batch<Arch>& b) {
-#if XSIMD_WITH_NEON64
+#if XSIMD_WITH_AVX512BW
+  return _mm512_min_ps(a, b);
+#elif XSIMD_WITH_AVX2
+  return _mm256_min_ps(a, b);
+#elif XSIMD_WITH_NEON64
   return xsimd::select(a < b, a, b);
 #else
-  return xsimd::min(a, b);
+  return _mm_min_ps(a, b);
 #endif
 }
 
