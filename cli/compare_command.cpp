@@ -13,10 +13,12 @@
 #include "commands.hpp"
 #include "compare/comparison_folder.hpp"
 #include "compare/paper_tables.hpp"
+#include "figure_report.hpp"
 #include "filter_option.hpp"
 #include "interruption.hpp"
 #include "option_checks.hpp"
 #include "progress.hpp"
+#include "study/figures.hpp"
 #include "study/value_list.hpp"
 #include "threads.hpp"
 
@@ -156,6 +158,9 @@ int run_compare(Options options) {
   }
   for (const compare::TextTable& table : results) fmt::print("\n{}", compare::to_markdown(table));
   fmt::print("\ndata: {0}/runs.csv, {0}/comparison.json, {0}/tables.md and a table_*.csv a table\n", options.out);
+  if (std::ranges::count(tables.tables, "iterations") != 0) {
+    draw_and_name_figures(study::kIterationsScript, options.out, {"iterations"});
+  }
   return kSuccess;
 }
 
@@ -215,7 +220,8 @@ void add_compare_command(CLI::App& app, Action& run) {
   command->add_flag("--fresh", options->fresh, "Start over: drop the comparison that the folder holds");
   command->footer(fmt::format(
       "Runs go one at a time, each on all threads. Ctrl-C keeps what is done and writes the tables of it; the same\n"
-      "command resumes. Writes runs.csv (a row a run), tables.md, a table_*.csv a table, and comparison.json.\n"
+      "command resumes. Writes runs.csv (a row a run), tables.md, a table_*.csv a table, and comparison.json;\n"
+      "the table iterations comes with a figure, iterations.svg and .png, drawn like those of consimd sweep.\n"
       "A case.json holds noise_bound, max_rotation_error_deg, max_translation_error_m and, for the grouping, dataset "
       "and\nsequence. Noise cells succeed when the RMSE of the true inliers is below the noise bound.\n"
       "Tables:\n{}Thresholds:\n{}"

@@ -85,7 +85,7 @@ TEST(PaperTables, NeedTheirMethods) {
   TableOptions options = all_tables();
   EXPECT_THAT(methods_of(options), ElementsAre("tcf", "tcf+tcf", "ransac", "tcf+ransac", "1R+2R", "1R", "2R", "3R",
                                                "1R+3R", "2R+3R", "1R+2R+3R", "1R+2R+IRLS", "1R+2R+3R+IRLS"));
-  EXPECT_THAT(iteration_methods(options), ElementsAre("plain-ransac-100", "plain-ransac-1000"));
+  EXPECT_THAT(iteration_methods(options), ElementsAre("plain-ransac-100", "plain-ransac-1000", "tcf"));
   options.tables = {"solvers"};
   EXPECT_THAT(methods_of(options), ElementsAre("tcf", "ransac"));
   options.filtered = true;
@@ -107,8 +107,8 @@ TEST(PaperTables, TellWhatWasRun) {
     comparison.put(run);
   }
   RunRecord few = run_of(plain_ransac(100), kNaN, kNaN, false, 0.001),
-            many = run_of(plain_ransac(1000), 1, 1, true, 0.002);
-  for (RunRecord* run : {&few, &many}) {
+            many = run_of(plain_ransac(1000), 1, 1, true, 0.002), rival = run_of("tcf", 1, 1, true, 0.003);
+  for (RunRecord* run : {&few, &many, &rival}) {
     run->group = "2 % inliers";
     run->case_name = "sigma 1 trial 0";
     run->seed = 1;
@@ -128,8 +128,9 @@ TEST(PaperTables, TellWhatWasRun) {
   EXPECT_THAT(tables[2].rows[0], ElementsAre("arch", "none", "10.0", "100", "1000", "-"));
   EXPECT_THAT(tables[2].rows[7], ElementsAre("arch", "1R+2R+3R", "80.0", "40", "50", "5.00"));
   EXPECT_EQ(tables[3].rows.size(), 3u);
-  EXPECT_THAT(tables[4].rows, ElementsAre(ElementsAre("100", "0.0", "0.0 - 79.3", "0.1", "1.00"),
-                                          ElementsAre("1000", "100.0", "20.7 - 100.0", "0.8", "2.00")));
+  EXPECT_THAT(tables[4].rows, ElementsAre(ElementsAre("plain ransac", "100", "0.0", "0.0 - 79.3", "0.1", "1.00"),
+                                          ElementsAre("plain ransac", "1000", "100.0", "20.7 - 100.0", "0.8", "2.00"),
+                                          ElementsAre("tcf", "-", "100.0", "20.7 - 100.0", "-", "3.00")));
   for (std::size_t t = 0; t < 4; ++t) {
     EXPECT_THAT(tables[t].caption.front(), HasSubstr("synthetic stand-in for ETH Arch, not its data")) << t;
   }
