@@ -200,9 +200,8 @@ class TableMaker {
         .title = "Recall of plain RANSAC over its iterations at 2 % inliers",
         .caption =
             {data_caption({&*group}), success_caption(options_, {&*group}), runs_caption(comparison_),
-             "Plain: fixed number of samples, no local optimisation; the best pose is refined and tested as "
-             "every solver's. Expected: the chance that a sample of three is all inliers at least once. The same "
-             "problems by the default solver for comparison.",
+             "Plain: fixed number of samples, no local optimisation; the pose is refined and tested like others.",
+             "Expected: the chance that a sample is all inliers. tcf: the default solver on the same problems.",
              std::string(kTimeCaption)},
         .columns = {"solver", "iterations", "recall %", "95 % interval", "expected %", "time ms"},
         .rows = {}};
