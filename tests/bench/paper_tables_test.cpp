@@ -78,7 +78,8 @@ TEST(TextTable, IsAlignedMarkdown) {
 TableOptions all_tables() {
   return {.tables = {"solvers", "boost", "stages", "poses", "iterations"},
           .solvers = {"tcf", "ransac"},
-          .iterations = {100, 1000}};
+          .iterations = {100, 1000},
+          .scales = {0.2, 5.0}};
 }
 
 TEST(PaperTables, NeedTheirMethods) {
@@ -138,8 +139,36 @@ TEST(PaperTables, TellWhatWasRun) {
   EXPECT_THAT(tables[4].caption[1], HasSubstr("RMSE of the true inliers below the noise bound"));
 }
 
+TEST(PaperTables, ScalesAreThoseOfSolversThatFindThem) {
+  TableOptions options = all_tables();
+  EXPECT_TRUE(scale_groups(options, 1, 1).empty());
+  options.tables = {"scales"};
+  options.solvers = {"teaser", "tcf", "pcr99"};
+  EXPECT_NO_THROW(validate(options));
+  EXPECT_THAT(scale_methods(options), ElementsAre("scale+teaser", "scale+pcr99"));
+  EXPECT_TRUE(methods_of(options).empty());
+  Comparison comparison(scale_groups(options, 1, 1), 1);
+  ASSERT_EQ(comparison.groups().size(), 2u);
+  EXPECT_THAT(comparison.groups()[0].provenance, HasSubstr("90 % outliers, sigma 0.1, 1, 2.5, 5 m, source divided"));
+  for (const double error : {0.0001, 0.0123}) {
+    RunRecord run = run_of("scale+teaser", 0.25, 0.04, true, 0.005);
+    run.group = "scale 0.2";
+    run.case_name = error < 0.001 ? "sigma 1 trial 0" : "sigma 5 trial 0";
+    run.seed = 1;
+    run.scale_error = error;
+    comparison.put(run);
+  }
+  const TextTable table = make_tables(options, comparison).front();
+  EXPECT_EQ(table.name, "scales");
+  ASSERT_EQ(table.rows.size(), 4u);
+  EXPECT_THAT(table.rows[0], ElementsAre("scale 0.2", "teaser", "100.0", "34.2 - 100.0", "1.23", "0.250 (0.250)",
+                                         "0.040 (0.040)", "5.00"));
+  EXPECT_THAT(table.rows[1], ElementsAre("scale 0.2", "pcr99", "-", "0.0 - 100.0", "-", "- (-)", "- (-)", "-"));
+  EXPECT_EQ(table.rows[2][0], "scale 5");
+}
+
 TEST(PaperTables, UnfinishedOnesSaySo) {
-  const TableOptions options{.tables = {"solvers"}, .solvers = {"tcf"}, .iterations = {1}};
+  const TableOptions options{.tables = {"solvers"}, .solvers = {"tcf"}, .iterations = {1}, .scales = {1.0}};
   std::vector<CaseGroup> groups = stand_in_groups({"arch"}, 1, 1, "case");
   groups.front().methods = methods_of(options);
   const Comparison nothing(std::move(groups), 1);
@@ -158,7 +187,10 @@ TEST(PaperTables, RefuseBadOptions) {
            [](TableOptions& o) { o.preset = "magic"; }, [](TableOptions& o) { o.iterations = {}; },
            [](TableOptions& o) {
              o.iterations = {5, 5};
-           }}) {
+           },
+           [](TableOptions& o) { o.scales = {}; }, [](TableOptions& o) { o.scales = {0.0}; },
+           [](TableOptions& o) { o.scales = {std::numeric_limits<double>::infinity()}; },
+           [](TableOptions& o) { o.tables = {"scales"}; }}) {
     TableOptions options = all_tables();
     EXPECT_NO_THROW(validate(options));
     spoil(options);
