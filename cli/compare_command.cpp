@@ -13,10 +13,12 @@
 #include "commands.hpp"
 #include "compare/comparison_folder.hpp"
 #include "compare/paper_tables.hpp"
+#include "figure_report.hpp"
 #include "filter_option.hpp"
 #include "interruption.hpp"
 #include "option_checks.hpp"
 #include "progress.hpp"
+#include "study/figures.hpp"
 #include "study/value_list.hpp"
 #include "threads.hpp"
 
@@ -30,8 +32,10 @@ struct Options {
   std::size_t points = 3000;
   std::string outliers = "0.1,0.5,0.9,0.95,0.98,0.99";
   std::string sigma = "0.1,1,2.5,5";
-  compare::TableOptions tables{
-      .tables = {"solvers"}, .solvers = {}, .iterations = {1000, 3000, 10'000, 30'000, 100'000, 300'000, 1'000'000}};
+  compare::TableOptions tables{.tables = {"solvers"},
+                               .solvers = {},
+                               .iterations = {1000, 3000, 10'000, 30'000, 100'000, 300'000, 1'000'000},
+                               .scales = {0.2, 0.5, 1.0, 2.0, 5.0}};
   std::uint32_t iteration_problems = 200;
   std::string filter = "none";
   std::uint64_t seed = 1;
@@ -99,6 +103,7 @@ std::vector<compare::CaseGroup> groups_of(const Options& options) {
   if (!compare::iteration_methods(tables).empty()) {
     groups.push_back(compare::iteration_group(tables, options.iteration_problems, options.seed));
   }
+  std::ranges::move(compare::scale_groups(tables, options.trials, options.seed), std::back_inserter(groups));
   return groups;
 }
 
@@ -115,6 +120,7 @@ std::vector<compare::OptionText> option_texts(const Options& o) {
           {"filter", o.filter},
           {"thresholds", o.tables.preset},
           {"iterations", fmt::format("{}", fmt::join(o.tables.iterations, ","))},
+          {"scales", fmt::format("{}", fmt::join(o.tables.scales, ","))},
           {"iteration-problems", fmt::format("{}", o.iteration_problems)},
           {"seed", fmt::format("{}", o.seed)},
           {"seeds", fmt::format("{}", o.seeds)}};
@@ -156,6 +162,9 @@ int run_compare(Options options) {
   }
   for (const compare::TextTable& table : results) fmt::print("\n{}", compare::to_markdown(table));
   fmt::print("\ndata: {0}/runs.csv, {0}/comparison.json, {0}/tables.md and a table_*.csv a table\n", options.out);
+  if (std::ranges::count(tables.tables, "iterations") != 0) {
+    draw_and_name_figures(study::kIterationsScript, options.out, {"iterations"});
+  }
   return kSuccess;
 }
 
@@ -180,7 +189,7 @@ void add_compare_command(CLI::App& app, Action& run) {
                    "Synthetic sets, separated by commas: stand-ins (all ten), eth, kitti, single ones (arch, kitti01, "
                    "...), noise (cells of the noise study); default: stand-ins, if there are no --cases")
       ->delimiter(',');
-  command->add_option("--trials", options->trials, "Problems of each stand-in and noise cell")
+  command->add_option("--trials", options->trials, "Problems of each stand-in, noise cell and scale with its noise")
       ->check(whole_number(1, 1'000'000))
       ->capture_default_str();
   command->add_option("--points", options->points, "Correspondences of a noise cell's problem")
@@ -204,6 +213,9 @@ void add_compare_command(CLI::App& app, Action& run) {
   command->add_option("--iteration-problems", options->iteration_problems, "Problems of that table")
       ->check(whole_number(1, 1'000'000))
       ->capture_default_str();
+  command->add_option("--scales", options->tables.scales, "Scales of the source, for the table of that name")
+      ->delimiter(',')
+      ->capture_default_str();
   command->add_option("--seed", options->seed, "Seed of the data; synthetic problem k starts its solvers with seed + k")
       ->check(whole_number())
       ->capture_default_str();
@@ -215,7 +227,8 @@ void add_compare_command(CLI::App& app, Action& run) {
   command->add_flag("--fresh", options->fresh, "Start over: drop the comparison that the folder holds");
   command->footer(fmt::format(
       "Runs go one at a time, each on all threads. Ctrl-C keeps what is done and writes the tables of it; the same\n"
-      "command resumes. Writes runs.csv (a row a run), tables.md, a table_*.csv a table, and comparison.json.\n"
+      "command resumes. Writes runs.csv (a row a run), tables.md, a table_*.csv a table, and comparison.json;\n"
+      "the table iterations comes with a figure, iterations.svg and .png, drawn like those of consimd sweep.\n"
       "A case.json holds noise_bound, max_rotation_error_deg, max_translation_error_m and, for the grouping, dataset "
       "and\nsequence. Noise cells succeed when the RMSE of the true inliers is below the noise bound.\n"
       "Tables:\n{}Thresholds:\n{}"
@@ -224,7 +237,8 @@ void add_compare_command(CLI::App& app, Action& run) {
       "  consimd compare --cases kitti --thresholds kitti06 --seeds 5      your own files\n"
       "  consimd compare --synthetic eth --solver tcf,ransac-50k           stand-ins for the paper's ETH scans\n"
       "  consimd compare --table boost,stages,poses --synthetic trees,kitti01\n"
-      "  consimd compare --table iterations",
+      "  consimd compare --table iterations\n"
+      "  consimd compare --table scales --solver pcr99,teaser",
       listed(compare::paper_tables()), listed(compare::limit_presets())));
   command->callback([&run, options] { run = [options] { return run_compare(*options); }; });
 }

@@ -53,7 +53,8 @@ std::vector<CaseGroup> noise_groups(const NoiseCells& cells) {
                                                .outlier_ratio = ratio,
                                                .sigma = sigma,
                                                .seed = cells.seed,
-                                               .trial = trial};
+                                               .trial = trial,
+                                               .scale = cells.scale};
         group.cases.push_back({.name = fmt::format("sigma {:g} trial {}", sigma, trial),
                                .noise_bound = synth::noise_study_bound(sigma),
                                .seed = cells.seed + trial,

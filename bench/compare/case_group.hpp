@@ -46,6 +46,7 @@ struct NoiseCells {
   std::vector<double> sigmas;
   std::uint32_t trials = 20;
   std::uint64_t seed = 1;
+  double scale = 1.0;  ///< of the source: its points are divided by it
 };
 
 /// A group for every outlier ratio with the trials of all noise levels: the same problems as those of the noise study.

@@ -25,7 +25,7 @@ void require_csv_name(std::string_view what, std::string_view name) {
 
 bool succeeds(const Case& of, const synth::Problem& problem, const Outcome& outcome, const RunRecord& record) {
   if (!outcome.has_pose) return false;
-  if (!of.limits) return synth::rmse_true_inliers(problem, outcome.T_target_source) < of.noise_bound;
+  if (!of.limits) return synth::rmse_true_inliers(problem, outcome.T_target_source, outcome.scale) < of.noise_bound;
   return record.rotation_error_deg <= of.limits->rotation_deg && record.translation_error <= of.limits->translation;
 }
 
@@ -36,6 +36,7 @@ RunRecord run(const Case& on, const synth::Problem& problem, const Correspondenc
   RunRecord record{.group = group.name, .case_name = on.name, .method = method, .seed = seed, .status = outcome.status};
   record.rotation_error_deg = outcome.has_pose ? synth::rotation_error_deg(outcome.T_target_source, truth) : kNaN;
   record.translation_error = outcome.has_pose ? synth::translation_error(outcome.T_target_source, truth) : kNaN;
+  record.scale_error = outcome.has_pose ? synth::scale_error(outcome.scale, problem.scale) : kNaN;
   record.success = succeeds(on, problem, outcome, record);
   record.rows = problem.size();
   record.inliers = static_cast<std::uint64_t>(std::ranges::count(problem.is_inlier, 1));

@@ -17,6 +17,7 @@ namespace {
 constexpr std::string_view kRuns = "runs.csv";
 constexpr std::string_view kSummary = "comparison.json";
 constexpr std::string_view kTables = "tables.md";
+constexpr std::string_view kFigures[] = {"iterations.svg", "iterations.png"};
 constexpr std::string_view kRemedy = "give the same options, another --out, or --fresh to start over";
 
 study::Json options_json(const ComparisonFacts& facts) {
@@ -63,6 +64,7 @@ void ComparisonFolder::open_runs() { runs_.open(folder_ / kRuns, std::ios::binar
 
 void ComparisonFolder::remove_comparison() {
   for (const std::string_view name : {kRuns, kSummary, kTables}) fs::remove(folder_ / name);
+  for (const std::string_view name : kFigures) fs::remove(folder_ / name);
   for (const TableInfo& table : paper_tables()) fs::remove(folder_ / table_file(table.name));
 }
 

@@ -12,7 +12,8 @@ A block of the page
     ...
     <!-- end of tables -->
 
-gets what the command writes to tables.md in place of the dots. With a WORD only the commands that hold it are run. A
+gets what the command writes to tables.md in place of the dots, and figures/NAME.svg beside the page, where the page
+shows it, becomes the NAME.svg that a command draws. With a WORD only the commands that hold it are run. A
 command that names an environment variable which is not set is left out, and so are its tables' changes. The page is
 written after every command, so that what is done is kept.
 """
@@ -20,6 +21,7 @@ written after every command, so that what is done is kept.
 import os
 import re
 import shlex
+import shutil
 import subprocess
 import sys
 import tempfile
@@ -30,11 +32,14 @@ BLOCK = re.compile(
 )
 
 
-def tables_of(command):
-    """What `command`, run in a folder of its own, writes to its tables.md."""
+def tables_of(command, page):
+    """What `command`, run in a folder of its own, writes to its tables.md. Its figures go to the page's."""
     with tempfile.TemporaryDirectory() as folder:
         words = [os.path.expandvars(word) for word in shlex.split(command)]
         subprocess.run([*words, "--out", folder], check=True, stdout=subprocess.DEVNULL)
+        for name in re.findall(r"\(figures/(\w+\.svg)\)", page.read_text()):
+            if (drawn := Path(folder) / name).exists():
+                shutil.copy(drawn, page.parent / "figures" / name)
         return (Path(folder) / "tables.md").read_text()
 
 
@@ -54,7 +59,7 @@ def renew(page, word):
             print(f"left out, {', '.join(unset)} not set: {command}", file=sys.stderr)
             continue
         print(command, file=sys.stderr)
-        tables = tables_of(command)
+        tables = tables_of(command, page)
         text = BLOCK.sub(
             lambda match: match[0]
             if match["command"] != command

@@ -21,13 +21,18 @@ namespace consimd::compare {
 namespace {
 
 constexpr std::string_view kFilterPrefix = "tcf+";
+constexpr std::string_view kScalePrefix = "scale+";
 constexpr std::string_view kPlainRansacPrefix = "plain-ransac-";
 // By the triangle inequality no sample of inliers has lengths that differ by more, in noise bounds.
 constexpr double kHarmlessLengthTolerance = 2.0;
 
 Outcome of(Registration result) {
-  return {std::string(to_string(result.status)), result.has_pose(), result.T_target_source, std::move(result.inliers),
-          result.seconds};
+  return {.status = std::string(to_string(result.status)),
+          .has_pose = result.has_pose(),
+          .T_target_source = result.T_target_source,
+          .scale = result.scale,
+          .kept = std::move(result.inliers),
+          .seconds = result.seconds};
 }
 
 /// Names of stages from left to right; nothing if one is no stage.
@@ -108,11 +113,16 @@ Outcome run_method(std::string_view name, const Correspondences& correspondences
   if (name.starts_with(kFilterPrefix)) {
     options.filter = Filter::tcf;
     name.remove_prefix(kFilterPrefix.size());
+  } else if (name.starts_with(kScalePrefix)) {
+    options.estimate_scale = true;
+    name.remove_prefix(kScalePrefix.size());
   }
   return of(register_by_name(name, correspondences, options));
 }
 
 std::string after_filter(std::string_view solver) { return fmt::format("{}{}", kFilterPrefix, solver); }
+
+std::string with_scale(std::string_view solver) { return fmt::format("{}{}", kScalePrefix, solver); }
 
 std::string plain_ransac(std::uint32_t iterations) { return fmt::format("{}{}", kPlainRansacPrefix, iterations); }
 

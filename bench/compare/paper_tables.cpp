@@ -24,7 +24,8 @@ constexpr TableInfo kTables[] = {
     {"boost", "each solver alone and after TCF's filter"},
     {"stages", "outlier removal by the stages of TCF"},
     {"poses", "3R against IRLS against both, after 1R+2R"},
-    {"iterations", "recall of plain RANSAC over its iterations at 2 % inliers"},
+    {"iterations", "recall of plain RANSAC over its iterations at 2 % inliers, with a figure"},
+    {"scales", "unknown scale of the source, of the solvers that find it"},
 };
 
 constexpr std::array kStages{"1R", "2R", "3R", "1R+2R", "1R+3R", "2R+3R", "1R+2R+3R"};
@@ -32,11 +33,21 @@ constexpr std::array kPoses{"1R+2R+3R", "1R+2R+IRLS", "1R+2R+3R+IRLS"};
 constexpr std::string_view kFilterStages = "1R+2R";  // what TCF's filter keeps
 
 constexpr std::string_view kIterationGroup = "2 % inliers";
+constexpr std::string_view kIterationRival = "tcf";  // whose recall stands beside plain RANSAC's
 constexpr double kIterationOutliers = 0.98;
 constexpr double kIterationSigma = 1.0;
 
+constexpr double kScaleOutliers = 0.9;
+constexpr std::array kScaleSigmas{0.1, 1.0, 2.5, 5.0};
+
 bool wanted(const TableOptions& options, std::string_view table) {
   return std::ranges::find(options.tables, table) != options.tables.end();
+}
+
+std::string scale_group_name(double scale) { return fmt::format("scale {}", scale); }
+
+bool finds_scale(std::string_view solver) {
+  return std::ranges::any_of(solvers(), [&](const SolverInfo& s) { return s.name == solver && s.estimates_scale; });
 }
 
 /// Says what the data are, group by group, those of one kind together.
@@ -81,8 +92,14 @@ constexpr std::string_view kTimeCaption = "Time: median of the whole registratio
 class TableMaker {
  public:
   TableMaker(const TableOptions& options, const Comparison& comparison) : options_(options), comparison_(comparison) {
+    std::set<std::string> scales;
+    for (const double scale : options.scales) scales.insert(scale_group_name(scale));
     for (const CaseGroup& group : comparison.groups()) {
-      if (group.name != kIterationGroup) groups_.push_back(&group);
+      if (scales.contains(group.name)) {
+        scale_groups_.push_back(&group);
+      } else if (group.name != kIterationGroup) {
+        groups_.push_back(&group);
+      }
     }
   }
 
@@ -91,6 +108,7 @@ class TableMaker {
     if (name == "boost") return boost();
     if (name == "stages") return stages();
     if (name == "poses") return poses();
+    if (name == "scales") return scales();
     return iterations();
   }
 
@@ -197,16 +215,43 @@ class TableMaker {
     TextTable table{
         .name = "iterations",
         .title = "Recall of plain RANSAC over its iterations at 2 % inliers",
-        .caption = {data_caption({&*group}), success_caption(options_, {&*group}), runs_caption(comparison_),
-                    "Plain: fixed number of samples, no local optimisation; the best pose is refined and tested as "
-                    "every solver's. Expected: the chance that a sample of three is all inliers at least once."},
-        .columns = {"iterations", "recall %", "95 % interval", "expected %", "time ms"},
+        .caption =
+            {data_caption({&*group}), success_caption(options_, {&*group}), runs_caption(comparison_),
+             "Plain: fixed number of samples, no local optimisation; the pose is refined and tested like others.",
+             "Expected: the chance that a sample is all inliers. tcf: the default solver on the same problems.",
+             std::string(kTimeCaption)},
+        .columns = {"solver", "iterations", "recall %", "95 % interval", "expected %", "time ms"},
         .rows = {}};
     const double share = std::pow(1.0 - kIterationOutliers, 3);
     for (const std::uint32_t n : options_.iterations) {
       const RunStatistics s = of(*group, plain_ransac(n));
-      table.rows.push_back({fmt::format("{}", n), percent(s.recall), interval(s.recall_interval),
+      table.rows.push_back({"plain ransac", fmt::format("{}", n), percent(s.recall), interval(s.recall_interval),
                             percent(-std::expm1(n * std::log1p(-share))), milliseconds(s.seconds_median)});
+    }
+    const RunStatistics rival = of(*group, kIterationRival);
+    table.rows.push_back({std::string(kIterationRival), "-", percent(rival.recall), interval(rival.recall_interval),
+                          "-", milliseconds(rival.seconds_median)});
+    return table;
+  }
+
+  [[nodiscard]] TextTable scales() const {
+    TextTable table{
+        .name = "scales",
+        .title = "Unknown scale of the source",
+        .caption = {data_caption(scale_groups_), success_caption(options_, scale_groups_), runs_caption(comparison_),
+                    "Scale error: relative, the largest of all runs with a pose.", std::string(kErrorsCaption),
+                    std::string(kTimeCaption)},
+        .columns = {"data", "solver", "recall %", "95 % interval", "largest scale error %", "rotation error deg",
+                    "translation error m", "time ms"},
+        .rows = {}};
+    for (const CaseGroup* group : scale_groups_) {
+      for (const std::string& solver : options_.solvers) {
+        if (!finds_scale(solver)) continue;
+        const RunStatistics s = of(*group, with_scale(solver));
+        table.rows.push_back({group->name, solver, percent(s.recall), interval(s.recall_interval),
+                              fine_percent(s.largest_scale_error), error(s.rotation_deg), error(s.translation),
+                              milliseconds(s.seconds_median)});
+      }
     }
     return table;
   }
@@ -214,6 +259,7 @@ class TableMaker {
   const TableOptions& options_;
   const Comparison& comparison_;
   std::vector<const CaseGroup*> groups_;
+  std::vector<const CaseGroup*> scale_groups_;
 };
 
 template <typename T>
@@ -242,6 +288,20 @@ void validate(const TableOptions& options) {
   for (const std::string& solver : options.solvers) study::require_known_solver(solver);
   require_known_preset(options.preset);
   require_distinct(options.iterations, "iterations");
+  require_distinct(options.scales, "scales");
+  for (const double scale : options.scales) {
+    if (!(std::isfinite(scale) && scale > 0.0)) {
+      throw std::invalid_argument(fmt::format("scales: expected a finite number > 0, got {}", scale));
+    }
+  }
+  if (wanted(options, "scales") && scale_methods(options).empty()) {
+    std::vector<std::string_view> able;
+    for (const SolverInfo& solver : solvers()) {
+      if (solver.estimates_scale) able.push_back(solver.name);
+    }
+    throw std::invalid_argument(fmt::format("table scales: solver '{}' needs a known scale, expected one of: {}",
+                                            fmt::join(options.solvers, ", "), fmt::join(able, ", ")));
+  }
 }
 
 std::vector<std::string> methods_of(const TableOptions& options) {
@@ -263,6 +323,16 @@ std::vector<std::string> iteration_methods(const TableOptions& options) {
   std::vector<std::string> methods;
   if (!wanted(options, "iterations")) return methods;
   for (const std::uint32_t n : options.iterations) methods.push_back(plain_ransac(n));
+  methods.emplace_back(kIterationRival);
+  return methods;
+}
+
+std::vector<std::string> scale_methods(const TableOptions& options) {
+  std::vector<std::string> methods;
+  if (!wanted(options, "scales")) return methods;
+  for (const std::string& solver : options.solvers) {
+    if (finds_scale(solver)) methods.push_back(with_scale(solver));
+  }
   return methods;
 }
 
@@ -275,6 +345,24 @@ CaseGroup iteration_group(const TableOptions& options, std::uint32_t problems, s
   group.provenance += fmt::format(", sigma {:g} m", kIterationSigma);
   group.methods = iteration_methods(options);
   return group;
+}
+
+std::vector<CaseGroup> scale_groups(const TableOptions& options, std::uint32_t trials, std::uint64_t seed) {
+  std::vector<CaseGroup> groups;
+  if (!wanted(options, "scales")) return groups;
+  for (const double scale : options.scales) {
+    CaseGroup group = noise_groups({.outlier_ratios = {kScaleOutliers},
+                                    .sigmas = {kScaleSigmas.begin(), kScaleSigmas.end()},
+                                    .trials = trials,
+                                    .seed = seed,
+                                    .scale = scale})
+                          .front();
+    group.name = scale_group_name(scale);
+    group.provenance += fmt::format(", sigma {} m, source divided by the scale", fmt::join(kScaleSigmas, ", "));
+    group.methods = scale_methods(options);
+    groups.push_back(std::move(group));
+  }
+  return groups;
 }
 
 std::vector<TextTable> make_tables(const TableOptions& options, const Comparison& comparison) {

@@ -17,7 +17,7 @@ struct TableInfo {
   std::string_view description;
 };
 
-/// "solvers", "boost", "stages", "poses" and "iterations".
+/// "solvers", "boost", "stages", "poses", "iterations" and "scales".
 [[nodiscard]] std::span<const TableInfo> paper_tables() noexcept;
 
 /// What is to be run and told.
@@ -27,17 +27,25 @@ struct TableOptions {
   bool filtered = false;                  ///< "solvers" after TCF's filter
   std::string preset = "case";            ///< of success limits, told in captions
   std::vector<std::uint32_t> iterations;  ///< of "iterations"
+  std::vector<double> scales;             ///< of "scales"
 };
 
-/// Throws std::invalid_argument on an unknown, missing or repeated name.
+/// Throws std::invalid_argument on an unknown, missing or repeated name or value, and if "scales" is wanted of solvers
+/// none of which finds the scale.
 void validate(const TableOptions& options);
 
-/// The methods that the tables but "iterations" need on a group of cases; those that "iterations" needs.
+/// The methods that the tables but "iterations" and "scales" need on a group of cases; those that these need.
 [[nodiscard]] std::vector<std::string> methods_of(const TableOptions& options);
 [[nodiscard]] std::vector<std::string> iteration_methods(const TableOptions& options);
+[[nodiscard]] std::vector<std::string> scale_methods(const TableOptions& options);
 
 /// The cases of "iterations": `problems` problems of the noise study with 2 % inliers and noise of 1 m.
 [[nodiscard]] CaseGroup iteration_group(const TableOptions& options, std::uint32_t problems, std::uint64_t seed);
+
+/// The cases of "scales", a group a scale: `trials` problems at each noise level of the noise study with 90 % outliers.
+/// None if the table is not wanted.
+[[nodiscard]] std::vector<CaseGroup> scale_groups(const TableOptions& options, std::uint32_t trials,
+                                                  std::uint64_t seed);
 
 /// The tables, in the order of paper_tables(). Runs that are missing are left out.
 [[nodiscard]] std::vector<TextTable> make_tables(const TableOptions& options, const Comparison& comparison);

@@ -7,9 +7,9 @@
 namespace consimd::compare {
 
 std::string to_csv_row(const RunRecord& r) {
-  return fmt::format("{},{},{},{},{},{:d},{},{},{},{},{},{},{}\n", r.group, r.case_name, r.method, r.seed, r.status,
+  return fmt::format("{},{},{},{},{},{:d},{},{},{},{},{},{},{},{}\n", r.group, r.case_name, r.method, r.seed, r.status,
                      r.success, r.rotation_error_deg, r.translation_error, r.rows, r.inliers, r.kept, r.kept_inliers,
-                     r.seconds);
+                     r.seconds, r.scale_error);
 }
 
 RunRecord parse_run_row(std::string_view line) {
@@ -28,6 +28,7 @@ RunRecord parse_run_row(std::string_view line) {
   record.kept = fields.number<std::uint64_t>();
   record.kept_inliers = fields.number<std::uint64_t>();
   record.seconds = fields.number<double>();
+  record.scale_error = fields.number<double>();
   fields.finish();
   return record;
 }

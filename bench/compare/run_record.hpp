@@ -24,6 +24,7 @@ struct RunRecord {
   std::uint64_t kept = 0;          ///< rows left in the end
   std::uint64_t kept_inliers = 0;  ///< true ones among them
   double seconds = 0.0;
+  double scale_error = 0.0;  ///< relative, 0 of a solver that was given the scale; NaN without a pose
 
   bool operator==(const RunRecord&) const = default;
 
@@ -31,7 +32,8 @@ struct RunRecord {
 };
 
 inline constexpr std::string_view kRunColumns =
-    "group,case,method,seed,status,success,rotation_error_deg,translation_error,rows,inliers,kept,kept_inliers,seconds";
+    "group,case,method,seed,status,success,rotation_error_deg,translation_error,rows,inliers,kept,kept_inliers,seconds,"
+    "scale_error";
 
 /// A line with its newline. Numbers read back to the same bits.
 [[nodiscard]] std::string to_csv_row(const RunRecord& record);

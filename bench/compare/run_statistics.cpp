@@ -40,12 +40,13 @@ RunStatistics run_statistics(const std::vector<RunRecord>& runs) {
   const auto n = static_cast<double>(runs.size());
   std::size_t successes = 0;
   std::vector<double> seconds;
-  RunStatistics s;
+  RunStatistics s{.largest_scale_error = kNaN};  // which std::fmax passes over
   for (const RunRecord& run : runs) {
     const auto rows = static_cast<double>(run.rows), inliers = static_cast<double>(run.inliers);
     const auto kept = static_cast<double>(run.kept), kept_inliers = static_cast<double>(run.kept_inliers);
     successes += run.success ? 1U : 0U;
     seconds.push_back(run.seconds);
+    if (run.has_pose()) s.largest_scale_error = std::fmax(s.largest_scale_error, run.scale_error);
     s.rows += rows / n;
     s.inliers += inliers / n;
     s.inlier_ratio += ratio(inliers, rows) / n;
@@ -67,6 +68,8 @@ RunStatistics run_statistics(const std::vector<RunRecord>& runs) {
 }
 
 std::string percent(double share) { return std::isfinite(share) ? fmt::format("{:.1f}", 100.0 * share) : "-"; }
+
+std::string fine_percent(double share) { return three_digits(100.0 * share); }
 
 std::string interval(const study::Interval& shares) {
   return fmt::format("{:.1f} - {:.1f}", 100.0 * shares.low, 100.0 * shares.high);

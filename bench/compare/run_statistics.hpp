@@ -22,6 +22,7 @@ struct RunStatistics {
   ErrorStatistics rotation_deg = {};
   ErrorStatistics translation = {};
   double seconds_median = 0.0;
+  double largest_scale_error = 0.0;  ///< relative, of the runs with a pose
   // Means over the runs.
   double rows = 0.0;
   double inliers = 0.0;
@@ -35,6 +36,7 @@ struct RunStatistics {
 
 /// Cells of a table; "-" for what is not a finite number.
 [[nodiscard]] std::string percent(double share);
+[[nodiscard]] std::string fine_percent(double share);
 [[nodiscard]] std::string interval(const study::Interval& shares);
 [[nodiscard]] std::string error(const ErrorStatistics& of);
 [[nodiscard]] std::string milliseconds(double seconds);

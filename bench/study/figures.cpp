@@ -46,16 +46,16 @@ std::string interpreter() {
       "no Python with matplotlib found: install python3-matplotlib (Debian, Ubuntu) or set CONSIMD_PYTHON to one");
 }
 
-fs::path script(const fs::path& program) {
+fs::path path_of(const fs::path& script, const fs::path& program) {
   if (const char* chosen = std::getenv("CONSIMD_PLOT_SCRIPT")) return chosen;
-  const fs::path installed = program.parent_path() / "../share/consimd/plot_sweep.py";
-  return fs::exists(installed) ? installed : fs::path(CONSIMD_PLOT_SCRIPT_SOURCE);
+  const fs::path installed = program.parent_path() / "../share/consimd" / script.filename();
+  return fs::exists(installed) ? installed : CONSIMD_PLOT_SCRIPTS / script;
 }
 
 }  // namespace
 
-void draw_figures(const fs::path& folder, const fs::path& program) {
-  const fs::path path = script(program);
+void draw_figures(std::string_view script, const fs::path& folder, const fs::path& program) {
+  const fs::path path = path_of(script, program);
   if (!fs::exists(path)) throw std::runtime_error(fmt::format("the plotting script {} is missing", path.string()));
   const std::string python = interpreter();
   if (const int status = run({python, "-B", path.string(), folder.string()}, true); status != 0) {

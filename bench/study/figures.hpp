@@ -1,14 +1,19 @@
-// Drawing the figures of a study with the Python script beside this file.
+// Drawing figures with the Python scripts beside their data's sources.
 #pragma once
 
 #include <filesystem>
+#include <string_view>
 
 namespace consimd::study {
 
-/// Draws recall and errors of the study in `folder`, and maps if it has a limits.csv, as SVG and PNG. The script is
-/// $CONSIMD_PLOT_SCRIPT, else `../share/consimd/plot_sweep.py` seen from `program`'s folder, else the one in the source
-/// tree; the interpreter the first of $CONSIMD_PYTHON, python3 and /usr/bin/python3 that has matplotlib. Throws
+/// Scripts, as they lie in bench/.
+inline constexpr std::string_view kSweepScript = "study/plot_sweep.py";
+inline constexpr std::string_view kIterationsScript = "compare/plot_iterations.py";
+
+/// Draws what `script` makes of the data in `folder`, as SVG and PNG. $CONSIMD_PLOT_SCRIPT is another script; else it
+/// is the one of the same name in `../share/consimd` seen from `program`'s folder, else that in the source tree. The
+/// interpreter is the first of $CONSIMD_PYTHON, python3 and /usr/bin/python3 that has matplotlib. Throws
 /// std::runtime_error that says in one line what is missing.
-void draw_figures(const std::filesystem::path& folder, const std::filesystem::path& program);
+void draw_figures(std::string_view script, const std::filesystem::path& folder, const std::filesystem::path& program);
 
 }  // namespace consimd::study

@@ -46,6 +46,7 @@ void check(const Pcr99Options& options) {
   detail::require_length("inlier_tolerance", options.inlier_tolerance);
   detail::require_above_zero("batch", options.batch);
   detail::require_above_zero("max_hypotheses", options.max_hypotheses);
+  detail::require_above_zero("max_screened", options.max_screened);
   if (options.max_triples == 0) detail::reject_option("max_triples", options.max_triples, "a number above 0");
   detail::require_matrix_budget(options.matrix_budget_bytes, 1);
 }
@@ -61,9 +62,11 @@ class Search {
   Search(const Correspondences& correspondences, const Pcr99Options& options)
       : correspondences_(correspondences), options_(options), poses_(correspondences, options.noise_bound) {}
 
-  /// `rows`: as many of the best-ranked ones as the matrix may have. Offers the poses of at most `batches` of triples;
-  /// ends early once the best pose is significant. Returns whether it is, or no triple is left.
-  bool run(std::span<const std::uint32_t> rows, std::uint32_t batches, std::uint64_t max_triples) {
+  /// `rows`: as many of the best-ranked ones as the matrix may have. Offers the poses of at most `batches` of triples,
+  /// each one of at most `most_screened`; ends early once the best pose is significant. Returns whether it is, or no
+  /// triple is left.
+  bool run(std::span<const std::uint32_t> rows, std::uint32_t batches, std::uint32_t most_screened,
+           std::uint64_t max_triples) {
     const Correspondences ranked = correspondences_.subset(rows);
     ConsistencyMatrix matrix;
     {
@@ -75,8 +78,10 @@ class Search {
     std::vector<IndexTriple> batch;
     std::vector<WorkingPose> hypotheses;
     for (std::uint32_t b = 0; b < batches; ++b) {
-      order.next(std::min(options_.batch, options_.max_hypotheses - b * options_.batch), max_triples, batch);
+      const std::size_t wanted = std::min(options_.batch, options_.max_hypotheses - b * options_.batch);
+      order.next(std::min<std::size_t>(most_screened, std::size_t{1} << std::min(b, 31U)) * wanted, max_triples, batch);
       if (batch.empty()) break;
+      keep_best_connected(matrix, wanted, batch);
       triples.iterations += batch.size();
       fit(ranked, batch, hypotheses);
       const auto best = detail::select_pose(correspondences_, hypotheses, options_.noise_bound, options_.ranking,
@@ -150,14 +155,14 @@ Registration register_at_known_scale(const Correspondences& correspondences, con
   Search search(correspondences, options);
   search.pairs.input = size;
   search.pairs.output = kept;
-  const bool confident = search.run(std::span(order).first(kept), batches, options.max_triples);
+  const bool confident = search.run(std::span(order).first(kept), batches, options.max_screened, options.max_triples);
   if (search.poses().best().support.count >= 3) {
     // The first pose that is significant ends the search: another may have as much support.
     std::vector<std::uint32_t> rest;
     for (const std::uint32_t row : order) {
       if (rest.size() < kept && !search.poses().best_explains(row)) rest.push_back(row);
     }
-    search.run(rest, kRivalBatches, std::min(options.max_triples, kRivalTriples));
+    search.run(rest, kRivalBatches, 1, std::min(options.max_triples, kRivalTriples));
   }
   search.triples.input = kept;
   search.triples.output = search.poses().best().support.count;

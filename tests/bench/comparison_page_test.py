@@ -10,11 +10,13 @@ import unittest
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 SCRIPT = ROOT / "bench/compare/comparison_page.py"
 
-# Stands for the command: writes its own arguments as the table, or fails.
+# Stands for the command: writes its own arguments as the table and as a figure, or fails.
 PROGRAM = """#!{python}
 import pathlib, sys
 if "fail" in sys.argv: sys.exit(3)
-pathlib.Path(sys.argv[sys.argv.index("--out") + 1], "tables.md").write_text("| " + " ".join(sys.argv[2:-2]) + " |\\n")
+folder, text = pathlib.Path(sys.argv[sys.argv.index("--out") + 1]), " ".join(sys.argv[2:-2])
+(folder / "tables.md").write_text("| " + text + " |\\n")
+(folder / "curve.svg").write_text(text)
 """
 
 BLOCK = "```\nconsimd compare {}\n```\n<!-- tables -->\n{}<!-- end of tables -->\n"
@@ -65,6 +67,17 @@ class ComparisonPage(unittest.TestCase):
         self.assertEqual(self.page.read_text(), block)
         self.renew(DATA="here")
         self.assertIn("| --cases here/c |", self.page.read_text())
+
+    def test_figures_that_the_page_shows(self):
+        figures = self.folder / "figures"
+        figures.mkdir()
+        block = BLOCK.format("--table a", "")
+        self.page.write_text(block + "![Other](figures/other.svg)\n")
+        self.renew()
+        self.assertEqual(list(figures.iterdir()), [])
+        self.page.write_text(block + "![Curve](figures/curve.svg)\n")
+        self.renew()
+        self.assertEqual((figures / "curve.svg").read_text(), "--table a")
 
     def test_a_failure_keeps_what_is_done(self):
         self.page.write_text(BLOCK.format("a", "") + BLOCK.format("fail", "old\n"))

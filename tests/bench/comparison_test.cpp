@@ -113,7 +113,7 @@ TEST(ComparisonFolder, NamesTheDifferenceToAnotherComparison) {
   EXPECT_THAT(open, ThrowsMessage<std::runtime_error>(HasSubstr("it has seed 5, not 6")));
   { const ComparisonFolder files(folder / "c", comparison, other, true); }
   EXPECT_NO_THROW(open());
-  write_text(folder / "c/runs.csv", std::string(kRunColumns) + "\nfacade,0,magic,5,success,1,0,0,1,1,1,1,0\n");
+  write_text(folder / "c/runs.csv", std::string(kRunColumns) + "\nfacade,0,magic,5,success,1,0,0,1,1,1,1,0,0\n");
   EXPECT_THAT(open,
               ThrowsMessage<std::runtime_error>(HasSubstr("runs.csv:2: magic on facade 0 with seed 5 is not of")));
   std::filesystem::remove(folder / "c/comparison.json");
@@ -149,7 +149,8 @@ TEST(RunRecord, ReadsBackTheSameBits) {
                       .inliers = 2,
                       .kept = 3,
                       .kept_inliers = 4,
-                      .seconds = 1.0 / 3.0};
+                      .seconds = 1.0 / 3.0,
+                      .scale_error = 1.0 / 7.0};
   std::string line = to_csv_row(run);
   line.pop_back();
   EXPECT_EQ(parse_run_row(line), run);
@@ -180,6 +181,26 @@ TEST(Method, RunsStagesOnWhatTheLastOneKept) {
        {"", "4R", "1R+", "+1R", "magic", "tcf+magic", "plain-ransac-", "plain-ransac-x"}) {
     EXPECT_THROW((void)run(name), std::invalid_argument) << name;
   }
+}
+
+TEST(Method, FindsTheScale) {
+  std::vector<CaseGroup> groups =
+      noise_groups({.points = 300, .outlier_ratios = {0.5}, .sigmas = {1.0}, .trials = 2, .scale = 0.2});
+  groups.front().methods = {"scale+teaser", "scale+pcr99", "teaser"};
+  Comparison comparison(std::move(groups), 1);
+  run_comparison(comparison);
+  for (const std::string_view method : {"scale+teaser", "scale+pcr99"}) {
+    for (const RunRecord& run : comparison.of("noise 50 %", method)) {
+      EXPECT_TRUE(run.success) << method;
+      EXPECT_LT(run.scale_error, 0.01) << method;
+      EXPECT_GT(run.scale_error, 0.0) << method;
+    }
+  }
+  for (const RunRecord& run : comparison.of("noise 50 %", "teaser")) {
+    EXPECT_FALSE(run.success);
+    if (run.has_pose()) EXPECT_NEAR(run.scale_error, 4.0, 1e-12);
+  }
+  EXPECT_THROW((void)run_method("scale+tcf", {}, 1.0, 1), std::invalid_argument);
 }
 
 TEST(Method, PlainRansacDrawsAllItsSamples) {

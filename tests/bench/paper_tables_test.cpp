@@ -78,14 +78,15 @@ TEST(TextTable, IsAlignedMarkdown) {
 TableOptions all_tables() {
   return {.tables = {"solvers", "boost", "stages", "poses", "iterations"},
           .solvers = {"tcf", "ransac"},
-          .iterations = {100, 1000}};
+          .iterations = {100, 1000},
+          .scales = {0.2, 5.0}};
 }
 
 TEST(PaperTables, NeedTheirMethods) {
   TableOptions options = all_tables();
   EXPECT_THAT(methods_of(options), ElementsAre("tcf", "tcf+tcf", "ransac", "tcf+ransac", "1R+2R", "1R", "2R", "3R",
                                                "1R+3R", "2R+3R", "1R+2R+3R", "1R+2R+IRLS", "1R+2R+3R+IRLS"));
-  EXPECT_THAT(iteration_methods(options), ElementsAre("plain-ransac-100", "plain-ransac-1000"));
+  EXPECT_THAT(iteration_methods(options), ElementsAre("plain-ransac-100", "plain-ransac-1000", "tcf"));
   options.tables = {"solvers"};
   EXPECT_THAT(methods_of(options), ElementsAre("tcf", "ransac"));
   options.filtered = true;
@@ -107,8 +108,8 @@ TEST(PaperTables, TellWhatWasRun) {
     comparison.put(run);
   }
   RunRecord few = run_of(plain_ransac(100), kNaN, kNaN, false, 0.001),
-            many = run_of(plain_ransac(1000), 1, 1, true, 0.002);
-  for (RunRecord* run : {&few, &many}) {
+            many = run_of(plain_ransac(1000), 1, 1, true, 0.002), rival = run_of("tcf", 1, 1, true, 0.003);
+  for (RunRecord* run : {&few, &many, &rival}) {
     run->group = "2 % inliers";
     run->case_name = "sigma 1 trial 0";
     run->seed = 1;
@@ -128,8 +129,9 @@ TEST(PaperTables, TellWhatWasRun) {
   EXPECT_THAT(tables[2].rows[0], ElementsAre("arch", "none", "10.0", "100", "1000", "-"));
   EXPECT_THAT(tables[2].rows[7], ElementsAre("arch", "1R+2R+3R", "80.0", "40", "50", "5.00"));
   EXPECT_EQ(tables[3].rows.size(), 3u);
-  EXPECT_THAT(tables[4].rows, ElementsAre(ElementsAre("100", "0.0", "0.0 - 79.3", "0.1", "1.00"),
-                                          ElementsAre("1000", "100.0", "20.7 - 100.0", "0.8", "2.00")));
+  EXPECT_THAT(tables[4].rows, ElementsAre(ElementsAre("plain ransac", "100", "0.0", "0.0 - 79.3", "0.1", "1.00"),
+                                          ElementsAre("plain ransac", "1000", "100.0", "20.7 - 100.0", "0.8", "2.00"),
+                                          ElementsAre("tcf", "-", "100.0", "20.7 - 100.0", "-", "3.00")));
   for (std::size_t t = 0; t < 4; ++t) {
     EXPECT_THAT(tables[t].caption.front(), HasSubstr("synthetic stand-in for ETH Arch, not its data")) << t;
   }
@@ -137,8 +139,36 @@ TEST(PaperTables, TellWhatWasRun) {
   EXPECT_THAT(tables[4].caption[1], HasSubstr("RMSE of the true inliers below the noise bound"));
 }
 
+TEST(PaperTables, ScalesAreThoseOfSolversThatFindThem) {
+  TableOptions options = all_tables();
+  EXPECT_TRUE(scale_groups(options, 1, 1).empty());
+  options.tables = {"scales"};
+  options.solvers = {"teaser", "tcf", "pcr99"};
+  EXPECT_NO_THROW(validate(options));
+  EXPECT_THAT(scale_methods(options), ElementsAre("scale+teaser", "scale+pcr99"));
+  EXPECT_TRUE(methods_of(options).empty());
+  Comparison comparison(scale_groups(options, 1, 1), 1);
+  ASSERT_EQ(comparison.groups().size(), 2u);
+  EXPECT_THAT(comparison.groups()[0].provenance, HasSubstr("90 % outliers, sigma 0.1, 1, 2.5, 5 m, source divided"));
+  for (const double error : {0.0001, 0.0123}) {
+    RunRecord run = run_of("scale+teaser", 0.25, 0.04, true, 0.005);
+    run.group = "scale 0.2";
+    run.case_name = error < 0.001 ? "sigma 1 trial 0" : "sigma 5 trial 0";
+    run.seed = 1;
+    run.scale_error = error;
+    comparison.put(run);
+  }
+  const TextTable table = make_tables(options, comparison).front();
+  EXPECT_EQ(table.name, "scales");
+  ASSERT_EQ(table.rows.size(), 4u);
+  EXPECT_THAT(table.rows[0], ElementsAre("scale 0.2", "teaser", "100.0", "34.2 - 100.0", "1.23", "0.250 (0.250)",
+                                         "0.040 (0.040)", "5.00"));
+  EXPECT_THAT(table.rows[1], ElementsAre("scale 0.2", "pcr99", "-", "0.0 - 100.0", "-", "- (-)", "- (-)", "-"));
+  EXPECT_EQ(table.rows[2][0], "scale 5");
+}
+
 TEST(PaperTables, UnfinishedOnesSaySo) {
-  const TableOptions options{.tables = {"solvers"}, .solvers = {"tcf"}, .iterations = {1}};
+  const TableOptions options{.tables = {"solvers"}, .solvers = {"tcf"}, .iterations = {1}, .scales = {1.0}};
   std::vector<CaseGroup> groups = stand_in_groups({"arch"}, 1, 1, "case");
   groups.front().methods = methods_of(options);
   const Comparison nothing(std::move(groups), 1);
@@ -157,7 +187,10 @@ TEST(PaperTables, RefuseBadOptions) {
            [](TableOptions& o) { o.preset = "magic"; }, [](TableOptions& o) { o.iterations = {}; },
            [](TableOptions& o) {
              o.iterations = {5, 5};
-           }}) {
+           },
+           [](TableOptions& o) { o.scales = {}; }, [](TableOptions& o) { o.scales = {0.0}; },
+           [](TableOptions& o) { o.scales = {std::numeric_limits<double>::infinity()}; },
+           [](TableOptions& o) { o.tables = {"scales"}; }}) {
     TableOptions options = all_tables();
     EXPECT_NO_THROW(validate(options));
     spoil(options);

@@ -10,6 +10,16 @@ import unittest
 CONSIMD = os.environ["CONSIMD"]
 
 
+def has_matplotlib(python):
+    try:
+        return subprocess.run([python, "-c", "import matplotlib"], capture_output=True, check=False).returncode == 0
+    except FileNotFoundError:
+        return False
+
+
+PLOTTER = next(filter(has_matplotlib, (sys.executable, "/usr/bin/python3")), None)
+
+
 class CommandTest(unittest.TestCase):
     """A test with a folder of its own, self.folder, in which commands run."""
 
@@ -29,6 +39,11 @@ class CommandTest(unittest.TestCase):
             "CONSIMD_PLOT_SCRIPT": str(self.script),
             "PYTHONPATH": str(self.script.parent),
         }
+
+    def draw_for_real(self):
+        """From here on with the project's scripts, by PLOTTER."""
+        del self.environment["CONSIMD_PLOT_SCRIPT"]
+        self.environment.update({"CONSIMD_PYTHON": PLOTTER, "PYTHONPATH": ""})
 
     def start(self, *arguments, **environment):
         return subprocess.Popen(

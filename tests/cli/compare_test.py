@@ -7,7 +7,7 @@ import signal
 import time
 import unittest
 
-from command import CommandTest
+from command import PLOTTER, CommandTest
 
 SMALL = ["compare", "--synthetic", "facade,noise", "--trials", 2, "--outliers", "0.5", "--sigma", "1", "--points", 200]
 SMALL += ["--solver", "tcf,ransac", "--out", "c"]
@@ -40,7 +40,7 @@ class Compare(CommandTest):
         self.assertEqual(
             ",".join(runs[0]),
             "group,case,method,seed,status,success,rotation_error_deg,translation_error,rows,inliers,kept,"
-            "kept_inliers,seconds",
+            "kept_inliers,seconds,scale_error",
         )
         self.assertEqual([(run["group"], run["method"]) for run in runs],
                          [(group, method) for group in ("facade", "noise 50 %") for _ in range(2)
@@ -65,8 +65,36 @@ class Compare(CommandTest):
         self.assertEqual([row["stages"] for row in stages],
                          ["none", "1R", "2R", "3R", "1R+2R", "1R+3R", "2R+3R", "1R+2R+3R"])
         self.assertGreater(float(stages[-1]["IR %"]), 3 * float(stages[0]["IR %"]))
-        self.assertEqual([row["iterations"] for row in self.rows("consimd-compare/table_iterations.csv")],
-                         ["10", "1000"])
+        iterations = self.rows("consimd-compare/table_iterations.csv")
+        self.assertEqual([(row["solver"], row["iterations"]) for row in iterations],
+                         [("plain ransac", "10"), ("plain ransac", "1000"), ("tcf", "-")])
+        self.assertEqual(iterations[2]["recall %"], "100.0")
+        self.assertTrue((self.folder / "consimd-compare/drawn").exists())
+
+    @unittest.skipIf(PLOTTER is None, "no Python with matplotlib")
+    def test_figure(self):
+        self.draw_for_real()
+        iterations = ["compare", "--table", "iterations", "--iteration-problems", 1, "--out", "c"]
+        out = self.run_command(*iterations, "--iterations", "1000,10,100")
+        self.assertIn("figure: c/iterations.svg (and .png)", out)
+        files = {f"iterations.{kind}" for kind in ("svg", "png")}
+        self.assertEqual(files & {path.name for path in (self.folder / "c").iterdir()}, files)
+        self.assertIn(b"<svg", (self.folder / "c/iterations.svg").read_bytes())
+        self.run_command(*iterations, "--fresh", "--iterations", 5)  # one point makes no curve, but a figure
+        self.run_command(*SMALL, "--fresh")  # removes what it does not draw anew
+        self.assertEqual(files & {path.name for path in (self.folder / "c").iterdir()}, set())
+
+    def test_unknown_scale(self):
+        out = self.run_command("compare", "--table", "scales", "--scales", "0.2,5", "--trials", 1, "--out", "c")
+        self.assertIn("largest scale error %", out)
+        rows = self.rows("c/table_scales.csv")
+        self.assertEqual([(row["data"], row["solver"]) for row in rows],
+                         [(f"scale {scale}", solver) for scale in ("0.2", "5") for solver in ("pcr99", "teaser")])
+        for row in rows:
+            self.assertEqual(row["recall %"], "100.0")
+            self.assertLess(float(row["largest scale error %"]), 1.0)
+        self.assert_error("compare", "--table", "scales", "--solver", "tcf,mac", "--out", "d",
+                          says="solver 'tcf, mac' needs a known scale, expected one of: pcr99, teaser")
 
     def test_cases_from_files(self):
         self.case("b", dataset="KITTI", sequence="01")
@@ -142,6 +170,7 @@ class Compare(CommandTest):
             "--seeds": ["0", "x"],
             "--seed": ["-1"],
             "--iterations": ["0", "x", "5,5"],
+            "--scales": ["0", "-1", "x", "inf", "2,2"],
             "--outliers": ["x", "1"],
             "--sigma": ["0", "x"],
             "--points": ["2"],

@@ -2,28 +2,14 @@
 
 import csv
 import math
-import pathlib
 import signal
 import statistics
-import subprocess
-import sys
 import time
 import unittest
 
-from command import CommandTest
+from command import PLOTTER, CommandTest
 
 SMALL = ["sweep", "--points", 200, "--outliers", "0.5,0.8", "--sigma", "0.1:1:2", "--trials", 3, "--out", "s"]
-PLOT_SCRIPT = pathlib.Path(__file__).resolve().parents[2] / "bench/study/plot_sweep.py"
-
-
-def has_matplotlib(python):
-    try:
-        return subprocess.run([python, "-c", "import matplotlib"], capture_output=True, check=False).returncode == 0
-    except FileNotFoundError:
-        return False
-
-
-PLOTTER = next(filter(has_matplotlib, (sys.executable, "/usr/bin/python3")), None)
 
 
 class SweepMap(CommandTest):
@@ -100,11 +86,11 @@ class SweepMap(CommandTest):
     @unittest.skipIf(PLOTTER is None, "no Python with matplotlib")
     def test_figures(self):
         figures = {f"{name}.{kind}" for name in ("recall", "errors", "map") for kind in ("svg", "png")}
-        drawing = {"CONSIMD_PYTHON": PLOTTER, "CONSIMD_PLOT_SCRIPT": str(PLOT_SCRIPT), "PYTHONPATH": ""}
+        self.draw_for_real()
         # A grid, and lists neither evenly spaced nor in order, with two solvers and a cell beyond the limit.
         uneven = ["sweep", "--points", 100, "--outliers", "0.97,0,0.5", "--sigma", "2,0.1,90", "--trials", 1]
         for folder, command in {"grid": SMALL[:-2], "uneven": [*uneven, "--solver", "tcf,tcf-published"]}.items():
-            out = self.run_command(*command, "--map", "--out", folder, **drawing)
+            out = self.run_command(*command, "--map", "--out", folder)
             self.assertIn(f"{folder}/map.svg", out)
             present = {path.name for path in (self.folder / folder).iterdir()}
             self.assertEqual(present & figures, figures)

@@ -81,6 +81,53 @@ TEST(Pcr99Triples, AreThoseOfPlainLoopsInOrder) {
   }
 }
 
+TEST(Pcr99Triples, BestConnectedAreThoseOfPlainLoops) {
+  const Correspondences correspondences =
+      synth::noise_study_problem({.correspondences = 150, .outlier_ratio = 0.7}).correspondences();
+  ConsistencyMatrix matrix;
+  matrix.compute_ratio(correspondences, 30.0, std::tanh(0.3));
+  RankedTriples order(matrix);
+  std::vector<IndexTriple> all;
+  order.next(700, std::numeric_limits<std::uint64_t>::max(), all);
+  ASSERT_EQ(all.size(), 700u);
+  const auto good = [&](std::size_t i, std::size_t j) { return (matrix.row(i)[j / 64] >> (j % 64) & 1) != 0; };
+  using Ranked = std::pair<int, std::size_t>;  // missing neighbours, position: the least are the best
+  std::vector<Ranked> ranked;
+  for (std::size_t t = 0; t < all.size(); ++t) {
+    int common = 0;
+    for (std::size_t i = 0; i < 150; ++i)
+      common += good(i, all[t].first) && good(i, all[t].second) && good(i, all[t].third);
+    ranked.emplace_back(-common, t);
+  }
+  std::ranges::sort(ranked);
+  for (const std::size_t count : {1U, 30U, 699U, 700U, 800U}) {
+    std::vector<Ranked> expected(ranked.begin(),
+                                 ranked.begin() + static_cast<std::ptrdiff_t>(std::min<std::size_t>(count, 700)));
+    std::ranges::sort(expected, {}, &Ranked::second);
+    std::vector<IndexTriple> kept = all;
+    keep_best_connected(matrix, count, kept);
+    ASSERT_EQ(kept.size(), expected.size());
+    for (std::size_t k = 0; k < kept.size(); ++k) {
+      const IndexTriple& triple = all[expected[k].second];
+      EXPECT_EQ(std::tie(kept[k].first, kept[k].second, kept[k].third),
+                std::tie(triple.first, triple.second, triple.third))
+          << count << " " << k;
+    }
+  }
+}
+
+// Thirty inliers of three thousand, with noise for which pairs agree by chance: all triples in order are too many.
+TEST(Pcr99, ScreeningFindsThePoseAmongManyTriples) {
+  const Problem problem =
+      synth::noise_study_problem({.correspondences = 3000, .outlier_ratio = 0.99, .sigma = 5.0, .trial = 2});
+  Pcr99Options options{.noise_bound = 15.0};
+  const Registration screened = register_pcr99(problem.correspondences(), options);
+  expect_sound(screened, problem, 15.0);
+  EXPECT_EQ(screened.status, Status::success);
+  options.max_screened = 1;
+  EXPECT_FALSE(register_pcr99(problem.correspondences(), options).has_pose());
+}
+
 TEST(Pcr99, MaySearchTheBestRankedRowsAlone) {
   const Problem problem = synth::noise_study_problem({.correspondences = 2000, .outlier_ratio = 0.9});
   Pcr99Options options{.noise_bound = 3.0};
@@ -124,6 +171,7 @@ TEST(Pcr99, BadOptionsAreRejected) {
   expect_bad("ratio_tolerance", 1.5, [](Pcr99Options& o) { o.ratio_tolerance = 1.5; });
   expect_bad("batch", 0.0, [](Pcr99Options& o) { o.batch = 0; });
   expect_bad("max_hypotheses", 0.0, [](Pcr99Options& o) { o.max_hypotheses = 0; });
+  expect_bad("max_screened", 0.0, [](Pcr99Options& o) { o.max_screened = 0; });
   expect_bad("max_triples", 0.0, [](Pcr99Options& o) { o.max_triples = 0; });
   expect_bad("matrix_budget_bytes", 100.0, [](Pcr99Options& o) { o.matrix_budget_bytes = 100; });
 }

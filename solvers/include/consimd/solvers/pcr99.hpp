@@ -35,9 +35,12 @@ struct Pcr99Options {
   double inlier_tolerance = 5.0 / 3.0;
   /// Hypotheses scored together, > 0; the search stops after a batch that has a significant pose.
   std::uint32_t batch = 1000;
+  /// Triples of which the best connected gets a pose, > 0: one in the first batch, all as published, then twice as many
+  /// from batch to batch up to this number (see keep_best_connected). The longer a search takes the choosier it is.
+  std::uint32_t max_screened = 16;
   /// Hypotheses at most, and triples looked at, > 0.
   std::uint32_t max_hypotheses = 100'000;
-  std::uint64_t max_triples = 4'000'000'000;
+  std::uint64_t max_triples = 1'000'000'000;
   /// Support that ranks the hypotheses.
   PoseRanking ranking = PoseRanking::inlier_count;
   /// Memory for the matrix of good pairs. Of more correspondences than fit, triples are those of the best-ranked ones;
@@ -74,6 +77,11 @@ class RankedTriples {
   std::uint64_t looked_at_ = 0;
   std::vector<IndexTriple> found_;  // beyond what was asked for
 };
+
+/// Leaves of `triples` the `count` best connected, those whose three rows have most neighbours in common, the earlier
+/// ones of equals, in the order they were in; all of fewer. Supporters of the pose of three inliers agree in length
+/// with all three: most of them are such neighbours.
+void keep_best_connected(const ConsistencyMatrix& matrix, std::size_t count, std::vector<IndexTriple>& triples);
 
 /// Registers with PCR-99: minimal poses of ranked triples whose pairs are all good, scored in batches on all
 /// correspondences, then the refinement and the tests of the default solver. Parallel in the caller's oneTBB arena; the
