@@ -43,6 +43,7 @@ if(TARGET consimd_cli)
   install(TARGETS consimd_cli)
   install(DIRECTORY ${PROJECT_SOURCE_DIR}/bench/study/ DESTINATION ${CMAKE_INSTALL_DATADIR}/consimd
     FILES_MATCHING PATTERN "*.py")
+  install(FILES ${PROJECT_SOURCE_DIR}/bench/compare/plot_iterations.py DESTINATION ${CMAKE_INSTALL_DATADIR}/consimd)
 endif()
 
 configure_package_config_file(

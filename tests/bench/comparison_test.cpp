@@ -198,7 +198,9 @@ TEST(Method, FindsTheScale) {
   }
   for (const RunRecord& run : comparison.of("noise 50 %", "teaser")) {
     EXPECT_FALSE(run.success);
-    if (run.has_pose()) EXPECT_NEAR(run.scale_error, 4.0, 1e-12);
+    if (run.has_pose()) {
+      EXPECT_NEAR(run.scale_error, 4.0, 1e-12);
+    }
   }
   EXPECT_THROW((void)run_method("scale+tcf", {}, 1.0, 1), std::invalid_argument);
 }
