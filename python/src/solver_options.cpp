@@ -149,6 +149,7 @@ OptionList<Pcr99Options> options_of(const Pcr99Options& /*of*/) {
           {"ranking_tolerance", &Pcr99Options::ranking_tolerance},
           {"inlier_tolerance", &Pcr99Options::inlier_tolerance},
           {"batch", &Pcr99Options::batch},
+          {"max_screened", &Pcr99Options::max_screened},
           {"max_hypotheses", &Pcr99Options::max_hypotheses},
           {"max_triples", &Pcr99Options::max_triples},
           {"ranking", &Pcr99Options::ranking},
