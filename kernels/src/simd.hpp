@@ -1,5 +1,5 @@
-// All that the vector bodies use of xsimd, and the few operations that its versions (8.1 to 14) lack, get wrong or disagree
-// on.
+// All that the vector bodies use of xsimd, and the few operations that its versions, 8.1 to 14, lack, get wrong or
+// disagree on.
 // Only ISA-specific sources include this. Everything here is a template over, or takes, a type of one architecture, so
 // no symbol compiled for a wide instruction set can be picked by the linker for a narrow one.
 #pragma once

@@ -41,7 +41,7 @@ class ConsimdRecipe(ConanFile):
     def requirements(self):
         self.requires("xsimd/[>=8.1 <15]")
         if not self.options.kernels_only:
-            self.requires("eigen/[>=3.4 <4]", transitive_headers=True)
+            self.requires("eigen/[>=3.4 <6]", transitive_headers=True)
             self.requires("onetbb/[>=2021.5 <2024]")
 
     def system_requirements(self):
