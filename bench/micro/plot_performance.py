@@ -59,10 +59,11 @@ def draw_recall(results, folder):
     for i, (label, points) in enumerate(cells.items()):
         times, recalls, seeds = zip(*points)
         ax.plot(times, recalls, label=label, clip_on=False, **style(i))
-        ax.annotate(f"{seeds[0]} seeds", (times[0], recalls[0]), xytext=(-33, -2), **NOTE)
-    ax.set(xscale="log", xlim=(0.4, None), ylim=(0, 100), xlabel="mean time (ms)", ylabel="recall (%)")
+        ax.annotate(f"{seeds[0]} seeds", (times[0], recalls[0]), xytext=(-14, -11), **NOTE)
+    ax.set(xscale="log", ylim=(0, 100), xlabel="mean time (ms)", ylabel="recall (%)")
+    ax.set_xlim(0.6 * min(times for points in cells.values() for times, *_ in points))  # room for the first note
     ax.xaxis.set_major_formatter("{x:g}")
-    ax.set_xticks([0.5, 1, 2, 5, 10])
+    ax.set_xticks([0.2, 0.5, 1, 2, 5, 10])
     ax.minorticks_off()
     ax.legend(loc="lower right", title="outliers, σ", title_fontsize=8)
     save(figure, folder, "recall_over_time")
