@@ -13,11 +13,11 @@ struct Residual {
   }
 
   /// | R p + t - q |^2
-  Batch<Arch> operator()(const Vec3<Arch>& p, const Vec3<Arch>& q) const {
+  Batch<Arch> operator()(const Vec3<Arch>& p, const Vec3<Arch>& q, bool by_multiplier = true) const {
     const Vec3<Arch> moved{r[0] * p.x + r[1] * p.y + r[2] * p.z + t[0], r[3] * p.x + r[4] * p.y + r[5] * p.z + t[1],
                            r[6] * p.x + r[7] * p.y + r[8] * p.z + t[2]};
-    const Vec3<Arch> difference{moved.x - q.x, moved.y - q.y, difference_by_multiplier<Arch>(moved.z, q.z)};
-    return dot(difference, difference);
+    const Vec3<Arch> residual{moved.x - q.x, moved.y - q.y, difference<Arch>(moved.z, q.z, by_multiplier)};
+    return dot(residual, residual);
   }
 
   Batch<Arch> r[9];
@@ -29,7 +29,9 @@ struct AlignmentTest {
   static constexpr bool kFitTogether = false;
   AlignmentTest(const RawView&, const WorkingPose& pose, float bound) : residual(pose), squared(bound * bound) {}
 
-  Mask<Arch> operator()(const Vec3<Arch>& p, const Vec3<Arch>& q) const { return residual(p, q) < squared; }
+  Mask<Arch> operator()(const Vec3<Arch>& p, const Vec3<Arch>& q, bool by_multiplier) const {
+    return residual(p, q, by_multiplier) < squared;
+  }
 
   Residual<Arch> residual;
   Batch<Arch> squared;

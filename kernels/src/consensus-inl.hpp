@@ -2,12 +2,24 @@
 // given the source and target points of as many correspondences as a register holds, it returns the mask of those that
 // pass. Points of NaN must fail. Its kFitTogether tells whether two of them at once are faster. A test that waits for
 // roots comes in two halves, begin and finish: the next correspondences are begun before the last ones are finished.
+// One that has about as much for the adders as for the multipliers takes a third argument: whether this time the latter
+// do a subtraction more, every other time.
 #pragma once
 
 #include "kernel_table.hpp"
 #include "simd.hpp"
 
 namespace consimd::detail {
+
+/// Mask of the correspondences that pass; `turn` counts the tests.
+template <typename Arch, typename Test>
+inline Mask<Arch> passing(const Test& test, const Vec3<Arch>& source, const Vec3<Arch>& target, std::size_t turn) {
+  if constexpr (requires { test(source, target, true); }) {
+    return test(source, target, turn % 2 == 0);
+  } else {
+    return test(source, target);
+  }
+}
 
 /// words[h] = bits of the 64 correspondences from `begin` on that pass tests[h]. What is loaded serves all tests.
 template <typename Arch, std::size_t kTests, typename Test>
@@ -27,7 +39,9 @@ inline void test_words(const RawView& view, const Test (&tests)[kTests], std::si
     for (std::size_t k = 0; k < 64; k += kWidth<Arch>) {
       const Vec3<Arch> source = load<Arch>(view.source, begin + k);
       const Vec3<Arch> target = load<Arch>(view.target, begin + k);
-      for (std::size_t h = 0; h < kTests; ++h) words[h] |= bitmask(tests[h](source, target)) << k;
+      for (std::size_t h = 0; h < kTests; ++h) {
+        words[h] |= bitmask(passing<Arch>(tests[h], source, target, k / kWidth<Arch> + h)) << k;
+      }
     }
   }
 }

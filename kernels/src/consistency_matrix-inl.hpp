@@ -50,7 +50,9 @@ inline std::uint64_t test_part_of_word(const RawView& view, const Test& test, st
                                        std::size_t end) {
   std::uint64_t word = 0;
   for (std::size_t k = first; k < end; k += kWidth<Arch>) {
-    word |= bitmask(test(load<Arch>(view.source, begin + k), load<Arch>(view.target, begin + k))) << k;
+    const Vec3<Arch> source = load<Arch>(view.source, begin + k);
+    const Vec3<Arch> target = load<Arch>(view.target, begin + k);
+    word |= bitmask(passing<Arch>(test, source, target, 0)) << k;
   }
   return word;
 }

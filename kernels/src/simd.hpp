@@ -57,15 +57,14 @@ inline Mask<Arch> below_larger(const Batch<Arch>& x, const Batch<Arch>& a, const
 #endif
 }
 
-/// a - b. With AVX-512 as a * 1 - b, which rounds the same, where additions set the pace: Zen 4 has two ports for them
-/// and two others for products.
+/// a - b. With AVX-512, if so told, as a * 1 - b, which rounds the same: Zen 4 has two ports for additions and two
+/// others for products, and the busier two set the pace.
 template <typename Arch>
-inline Batch<Arch> difference_by_multiplier(const Batch<Arch>& a, const Batch<Arch>& b) {
+inline Batch<Arch> difference(const Batch<Arch>& a, const Batch<Arch>& b, [[maybe_unused]] bool by_multiplier = true) {
 #if XSIMD_WITH_AVX512BW
-  return _mm512_fmsub_ps(a, _mm512_set1_ps(1.0f), b);
-#else
-  return a - b;
+  if (by_multiplier) return _mm512_fmsub_ps(a, _mm512_set1_ps(1.0f), b);
 #endif
+  return a - b;
 }
 
 /// Correctly rounded a / b and sqrt(a): those of xsimd 8.1 are estimates on NEON.
