@@ -9,19 +9,10 @@ import unittest
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 SCRIPTS = ROOT / "bench/micro"
-sys.path.insert(0, str(SCRIPTS))
+sys.path[:0] = [str(SCRIPTS), str(ROOT / "tests")]
 from bench_results import Results  # noqa: E402
+from plotter import PLOTTER  # noqa: E402
 from report import tables  # noqa: E402
-
-
-def has_matplotlib(python):
-    try:
-        return subprocess.run([python, "-c", "import matplotlib"], capture_output=True, check=False).returncode == 0
-    except FileNotFoundError:
-        return False
-
-
-PLOTTER = next(filter(has_matplotlib, (sys.executable, "/usr/bin/python3")), None)
 
 
 def entry(name, aggregate, **values):

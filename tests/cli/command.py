@@ -7,17 +7,10 @@ import sys
 import tempfile
 import unittest
 
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1]))
+from plotter import PLOTTER  # noqa: E402, F401  # for the tests that draw
+
 CONSIMD = os.environ["CONSIMD"]
-
-
-def has_matplotlib(python):
-    try:
-        return subprocess.run([python, "-c", "import matplotlib"], capture_output=True, check=False).returncode == 0
-    except FileNotFoundError:
-        return False
-
-
-PLOTTER = next(filter(has_matplotlib, (sys.executable, "/usr/bin/python3")), None)
 
 
 class CommandTest(unittest.TestCase):
