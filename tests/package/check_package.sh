@@ -10,20 +10,9 @@ release=$2
 consumer=$root/tests/package
 work=$root/build/package
 
-say() { printf 'package: %s\n' "$*" >&2; }
-
-fail() {
-  say "$*"
-  exit 1
-}
-
-# quietly COMMAND...: its output shows when it fails.
-quietly() {
-  local log
-  log=$(mktemp)
-  "$@" >"$log" 2>&1 || { cat "$log" >&2 && rm -f "$log" && fail "failed: $*"; }
-  rm -f "$log"
-}
+check=package
+# shellcheck source=tests/check.sh
+. "$root/tests/check.sh"
 
 # install_library NAME CMAKE_ARGUMENT...: builds and installs to $work-NAME/prefix.
 install_library() {

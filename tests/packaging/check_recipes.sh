@@ -11,20 +11,9 @@ work=$root/build/recipes
 consumer=$root/tests/package
 XSIMD_CARRIER=pythran==0.19.0
 
-say() { printf 'recipes: %s\n' "$*" >&2; }
-
-fail() {
-  say "$*"
-  exit 1
-}
-
-# quietly COMMAND...: its output shows when it fails.
-quietly() {
-  local log
-  log=$(mktemp)
-  "$@" >"$log" 2>&1 || { cat "$log" >&2 && rm -f "$log" && fail "failed: $*"; }
-  rm -f "$log"
-}
+check=recipes
+# shellcheck source=tests/check.sh
+. "$root/tests/check.sh"
 
 # --- Conan --------------------------------------------------------------------------------------------------------------
 
