@@ -20,9 +20,9 @@
 #include <consimd/solvers/turboreg.hpp>
 #include <consimd/synth/noise_study.hpp>
 
-#include "clique_selection.hpp"
-#include "compatibility_graph.hpp"
 #include "cpu_time.hpp"
+#include "mac/clique_selection.hpp"
+#include "mac/compatibility_graph.hpp"
 
 namespace consimd::bench {
 namespace {

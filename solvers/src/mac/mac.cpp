@@ -1,0 +1,197 @@
+#include <consimd/solvers/mac.hpp>
+
+#include <oneapi/tbb/blocked_range.h>
+#include <oneapi/tbb/parallel_for.h>
+
+#include <Eigen/Core>
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+
+#include <consimd/kernels/alignment_residuals.hpp>
+#include <consimd/poses/rigid_fit.hpp>
+
+#include "call/option_checks.hpp"
+#include "call/stage_clock.hpp"
+#include "mac/clique_selection.hpp"
+#include "search/set_poses.hpp"
+#include "verdict/final_pose.hpp"
+#include "verdict/pose_checks.hpp"
+
+namespace consimd {
+namespace {
+
+constexpr std::size_t kFitsPerTask = 16;
+constexpr int kPowerIterations = 20;
+// A pose is brought into place if it has this share of the best pose's score: those of small cliques are noisy. So are
+// the best few, even if they are the same motion, and then so many at most that are another.
+constexpr float kWorthOptimising = 0.4F;
+constexpr std::size_t kFirstOptimised = 16;
+constexpr std::size_t kOptimised = 48;
+
+/// Leading eigenvector of the clique's edge weights, which are positive off the diagonal.
+Eigen::VectorXd leading_eigenvector(const detail::CompatibilityGraph& graph, std::span<const std::uint32_t> clique,
+                                    bool second_order) {
+  const auto size = static_cast<Eigen::Index>(clique.size());
+  Eigen::MatrixXd edges = Eigen::MatrixXd::Zero(size, size);
+  for (Eigen::Index a = 0; a < size; ++a) {
+    for (Eigen::Index b = 0; b < a; ++b) {
+      edges(a, b) = edges(b, a) =
+          graph.weight(clique[static_cast<std::size_t>(b)], clique[static_cast<std::size_t>(a)], second_order);
+    }
+  }
+  Eigen::VectorXd v = Eigen::VectorXd::Ones(size);
+  for (int k = 0; k < kPowerIterations; ++k) {
+    const Eigen::VectorXd next = edges * v;
+    const double largest = next.maxCoeff();
+    if (!(largest > 0.0)) return Eigen::VectorXd::Ones(size);
+    v = next / largest;
+  }
+  return v;
+}
+
+RigidFit fit_clique(const CorrespondenceView& view, std::span<const std::uint32_t> clique,
+                    const Eigen::VectorXd& weights) {
+  RigidMoments m{};
+  for (std::size_t i = 0; i < clique.size(); ++i) {
+    const double w = weights[static_cast<Eigen::Index>(i)];
+    m.weight += w;
+    for (std::size_t a = 0; a < 3; ++a) {
+      const double target = view.target(a)[clique[i]];
+      m.source[a] += w * view.source(a)[clique[i]];
+      m.target[a] += w * target;
+      for (std::size_t b = 0; b < 3; ++b) m.cross[3 * a + b] += w * target * view.source(b)[clique[i]];
+    }
+  }
+  return rigid_fit(m);
+}
+
+/// Poses of the cliques, best score first. Cliques that determine no rotation have none.
+struct Hypothesis {
+  detail::PoseCandidate candidate;
+  std::size_t clique = 0;
+};
+
+std::vector<Hypothesis> hypotheses_of(const CorrespondenceView& view, const detail::CompatibilityGraph& graph,
+                                      std::span<const detail::WeightedClique> cliques, const MacOptions& options) {
+  std::vector<Hypothesis> hypotheses(cliques.size());
+  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, cliques.size(), kFitsPerTask), [&](const auto& range) {
+    std::vector<WorkingPose> poses;
+    std::vector<std::size_t> positions;
+    for (std::size_t c = range.begin(); c < range.end(); ++c) {
+      const std::vector<std::uint32_t>& rows = cliques[c].rows;
+      const auto size = static_cast<Eigen::Index>(rows.size());
+      const RigidFit fit = fit_clique(view, rows,
+                                      options.weighted_fit ? leading_eigenvector(graph, rows, options.second_order)
+                                                           : Eigen::VectorXd(Eigen::VectorXd::Ones(size)));
+      if (!fit.determined()) continue;
+      poses.push_back(to_working_pose(fit.pose));
+      positions.push_back(c);
+    }
+    std::vector<PoseSupport> support(poses.size());
+    alignment_scores(view, poses, options.noise_bound, support);
+    for (std::size_t p = 0; p < poses.size(); ++p) hypotheses[positions[p]] = {{poses[p], support[p]}, positions[p]};
+  });
+  std::ranges::stable_sort(hypotheses, std::ranges::greater{},
+                           [](const Hypothesis& h) { return h.candidate.support.score; });
+  return hypotheses;
+}
+
+/// Offers the hypotheses, brought into place. Returns the clique that the best came from.
+std::size_t choose(const Correspondences& correspondences, std::span<const Hypothesis> hypotheses, double noise_bound,
+                   detail::BestPoses& poses) {
+  std::size_t best = 0;
+  std::size_t optimised = 0;
+  for (const Hypothesis& hypothesis : hypotheses) {
+    const float score = hypothesis.candidate.support.score;
+    if (score <= kWorthOptimising * poses.best().support.score || optimised == kOptimised) break;
+    if (optimised >= kFirstOptimised && poses.same_motion_as_best(hypothesis.candidate.pose)) continue;
+    ++optimised;
+    if (poses.offer(detail::locally_optimise(correspondences, hypothesis.candidate, noise_bound))) {
+      best = hypothesis.clique;
+    }
+  }
+  return best;
+}
+
+void check(const MacOptions& options) {
+  detail::require_length("noise_bound", options.noise_bound);
+  if (!(options.compatibility_distance > 0.0) || !std::isfinite(options.compatibility_distance)) {
+    detail::reject_option("compatibility_distance", options.compatibility_distance, "noise bounds, finite and above 0");
+  }
+  if (!(options.compatibility_threshold >= 0.0 && options.compatibility_threshold < 1.0)) {
+    detail::reject_option("compatibility_threshold", options.compatibility_threshold, "a score from 0 to below 1");
+  }
+  if (!(options.max_mean_degree > 0.0)) {
+    detail::reject_option("max_mean_degree", options.max_mean_degree, "edges a vertex above 0, or infinity");
+  }
+}
+
+}  // namespace
+
+Registration register_mac(const Correspondences& correspondences, const MacOptions& options) {
+  check(options);
+  Registration result = detail::start_registration(options.noise_bound, options.seed);
+  const detail::StageClock clock(result.seconds);
+  const CorrespondenceView view = correspondences.view();
+  const std::size_t size = view.size();
+  if (size < 3) {
+    result.status = Status::too_few_correspondences;
+    return result;
+  }
+  detail::require_whole_matrix(options.matrix_budget_bytes, size);
+
+  StageReport clique_report{"maximal_cliques", size};
+  StageReport hypothesis_report{"hypotheses", size};
+  StageReport refinement_report{"irls", size};
+  // As the kernels bound lengths in the working frame.
+  const double distance =
+      std::clamp(options.compatibility_distance * options.noise_bound * view.scale(), 1e-9, 16.0) / view.scale();
+  std::optional<detail::CompatibilityGraph> graph;
+  detail::SelectedCliques selected;
+  {
+    const detail::StageClock stage(clique_report.seconds);
+    graph.emplace(view, distance, options.compatibility_threshold, options.max_mean_degree, options.seed);
+    selected = detail::select_cliques(*graph, options);
+  }
+  std::vector<std::uint64_t> covered(view.words());
+  for (const detail::WeightedClique& clique : selected.cliques) {
+    for (const std::uint32_t row : clique.rows) covered[row / kBlock] |= std::uint64_t{1} << (row % kBlock);
+  }
+  clique_report.output = popcount(covered);
+  clique_report.iterations = selected.found;
+
+  detail::BestPoses poses(correspondences, options.noise_bound);
+  std::vector<std::uint32_t> best_set;
+  {
+    const detail::StageClock stage(hypothesis_report.seconds);
+    if (selected.cliques.size() > options.max_hypotheses) selected.cliques.resize(options.max_hypotheses);
+    const std::vector<Hypothesis> hypotheses = hypotheses_of(view, *graph, selected.cliques, options);
+    const std::size_t best = choose(correspondences, hypotheses, options.noise_bound, poses);
+    if (poses.best().support.count >= 3) {
+      const std::vector<std::uint32_t>& rows = selected.cliques[best].rows;
+      best_set = detail::rows_agreeing_with(correspondences, {rows[0], rows[1], rows[2]}, options.noise_bound);
+    }
+  }
+  hypothesis_report.output = poses.best().support.count;
+  hypothesis_report.iterations = selected.cliques.size();
+
+  // Tested as if the default search had found it from all of its seeds, which finds poses of chance at least as well.
+  const TcfOptions test_options{
+      .noise_bound = options.noise_bound, .seed = options.seed, .bounds_tried = options.bounds_tried};
+  detail::FinalPose final;
+  if (poses.best().support.count >= 3) {
+    const detail::StageClock stage(refinement_report.seconds);
+    final = detail::finish(correspondences, test_options, poses.best(), static_cast<std::uint32_t>(size));
+  }
+  const auto unexplained = [&](std::uint32_t row) { return !poses.best_explains(row); };
+  const bool confident = std::ranges::count_if(selected.cut_short, unexplained) <= poses.best().support.count;
+  detail::conclude(correspondences, test_options, poses, best_set, final, confident, result);
+  refinement_report.output = result.inliers.size();
+  refinement_report.iterations = final.rounds;
+  result.stages = {clique_report, hypothesis_report, refinement_report};
+  return result;
+}
+
+}  // namespace consimd

@@ -1,0 +1,116 @@
+#include <consimd/solvers/noise_bound.hpp>
+
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+#include <consimd/solvers/pose_refinement.hpp>
+#include <consimd/solvers/significance.hpp>
+
+#include "search/consensus_search.hpp"
+#include "verdict/chance_search.hpp"
+
+namespace consimd {
+namespace {
+
+constexpr double kLeastBound = 1.0 / 2048.0;  // of the extent
+constexpr std::uint32_t kBounds = 10;
+// Points closer than this share of their distance from the origin differ by rounding.
+constexpr double kResolution = 1e-14;
+constexpr std::uint32_t kSeeds = 1024;
+// Bounds tried after the most significant one before it is believed to be that.
+constexpr int kPatience = 3;
+// The bound is three deviations; measured again until it changes by less than this factor.
+constexpr double kDeviations = 3.0;
+constexpr double kSettled = 1.05;
+constexpr int kMeasurements = 10;
+
+// Root mean square distance of the sources from their centroid, caller's unit.
+double extent(const Correspondences& correspondences) {
+  const CorrespondenceView view = correspondences.view();
+  double sum = 0.0;
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    const float* x = view.source(axis);
+    for (std::size_t k = 0; k < view.size(); ++k) sum += static_cast<double>(x[k]) * static_cast<double>(x[k]);
+  }
+  return view.size() == 0 ? 0.0 : std::sqrt(sum / static_cast<double>(view.size())) / view.scale();
+}
+
+// Three times the scale of the residuals around the pose, from the bound that it was found with.
+double measured_bound(const Correspondences& correspondences, WorkingPose pose, double bound) {
+  for (int m = 0; m < kMeasurements; ++m) {
+    const RefinedPose refined = refine_pose(correspondences, pose, {bound});
+    if (!refined.fit.determined()) break;
+    pose = to_working_pose(refined.fit.pose);
+    const double former = bound;
+    bound = kDeviations * refined.sigma;
+    if (bound < former * kSettled && former < bound * kSettled) break;
+  }
+  return bound;
+}
+
+// The best pose at one bound.
+struct Attempt {
+  double bound;
+  detail::PoseCandidate best;
+  std::uint32_t seeds;
+  double log10_false_poses;
+};
+
+TcfOptions options_for(double bound, std::uint64_t seed) {
+  TcfOptions options;
+  options.noise_bound = bound;
+  options.seed = seed;
+  options.max_seeds = kSeeds;
+  return options;
+}
+
+// By the closed form of the significance.
+std::vector<Attempt> attempts(const Correspondences& correspondences, double least_bound, std::uint64_t seed) {
+  std::vector<Attempt> result;
+  double least = detail::kSure;
+  int since_least = 0;
+  double bound = least_bound;
+  for (std::uint32_t b = 0; b < kBounds && since_least < kPatience; ++b, bound *= 2.0) {
+    const TcfOptions options = options_for(bound, seed);
+    detail::ConsensusSearch search(correspondences, options);
+    search.run(false);
+    const detail::PoseCandidate& best = search.best();
+    if (best.support.count < 3) continue;
+    const double log10_false_poses = significance(correspondences, best.pose, bound, seed).log10_false_poses;
+    result.push_back({bound, best, search.sets().drawn(), log10_false_poses});
+    if (log10_false_poses < least) {
+      least = log10_false_poses;
+      since_least = 0;
+    } else if (least < detail::kSure) {
+      ++since_least;
+    }
+  }
+  return result;
+}
+
+}  // namespace
+
+NoiseBoundEstimate estimate_noise_bound(const Correspondences& correspondences, std::uint64_t seed) {
+  const double size = extent(correspondences);
+  const auto& centroid = correspondences.source_centroid();
+  if (!(size > kResolution * std::hypot(centroid[0], centroid[1], centroid[2]))) return {1.0, 0.0, 1};
+  std::vector<Attempt> tried = attempts(correspondences, kLeastBound * size, seed);
+  if (tried.empty()) return {kLeastBound * size, 0.0, kBounds};
+  const auto by_chance = [](const Attempt& attempt) { return attempt.log10_false_poses; };
+  const double bounds = std::log10(kBounds);
+  auto chosen = std::ranges::min_element(tried, {}, by_chance);
+  if (chosen->log10_false_poses <= detail::kSure) {
+    return {measured_bound(correspondences, chosen->best.pose, chosen->bound), chosen->log10_false_poses + bounds,
+            kBounds};
+  }
+  for (Attempt& attempt : tried) {
+    attempt.log10_false_poses =
+        detail::log10_false_poses(correspondences, options_for(attempt.bound, seed), attempt.best, attempt.seeds,
+                                  significance(correspondences, attempt.best.pose, attempt.bound, seed));
+  }
+  chosen = std::ranges::min_element(tried, {}, by_chance);
+  return {chosen->bound, chosen->log10_false_poses + bounds, kBounds};  // too few supporters to measure
+}
+
+}  // namespace consimd

@@ -1,0 +1,99 @@
+#include <consimd/solvers/sc2_pcr.hpp>
+
+#include <cmath>
+#include <utility>
+
+#include "call/option_checks.hpp"
+#include "call/stage_clock.hpp"
+#include "search/matrix_sample.hpp"
+#include "support/hypothesis_selection.hpp"
+#include "verdict/chance_search.hpp"
+#include "verdict/final_pose.hpp"
+#include "verdict/pose_checks.hpp"
+
+namespace consimd {
+namespace {
+
+void check(const Sc2PcrOptions& options) {
+  detail::require_length("noise_bound", options.noise_bound);
+  detail::require_length("length_tolerance", options.length_tolerance);
+  detail::require_length("seed_radius", options.seed_radius);
+  if (!(options.seed_share > 0.0 && options.seed_share <= 1.0)) {
+    detail::reject_option("seed_share", options.seed_share, "a share above 0 and up to 1");
+  }
+  detail::require_above_zero("power_iterations", options.power_iterations);
+  if (options.first_set < 3 || options.first_set > 64) {
+    detail::reject_option("first_set", options.first_set, "3 to 64 members");
+  }
+  if (options.second_set < 3 || options.second_set > options.first_set) {
+    detail::reject_option("second_set", options.second_set, "3 to first_set members");
+  }
+  detail::require_matrix_budget(options.matrix_budget_bytes, 2);
+}
+
+}  // namespace
+
+Registration register_sc2_pcr(const Correspondences& correspondences, const Sc2PcrOptions& options) {
+  check(options);
+  const double tau = options.noise_bound;
+  Registration result = detail::start_registration(tau, options.seed);
+  const detail::StageClock clock(result.seconds);
+  const std::size_t size = correspondences.size();
+  if (size < 3) {
+    result.status = Status::too_few_correspondences;
+    return result;
+  }
+  StageReport compatibility{"compatibility", size};
+  StageReport seeding{"seeds", size};
+  StageReport fitting{"consensus_sets", size};
+  StageReport refinement{"irls", size};
+
+  const detail::MatrixSample sample(correspondences, 2, options.matrix_budget_bytes, options.seed);
+  const Correspondences& rows = sample.correspondences();
+  CompatibilityMatrices matrices;
+  {
+    const detail::StageClock stage_clock(compatibility.seconds);
+    matrices.compute(rows, options.length_tolerance * tau);
+    compatibility.output = rows.size();
+  }
+  std::vector<std::uint32_t> order;
+  {
+    const detail::StageClock stage_clock(seeding.seconds);
+    const std::vector<float> confidence = compatibility_confidence(matrices.loose, options.power_iterations);
+    order = confidence_seeds(rows, confidence, options.seed_radius * tau, rows.size());
+    seeding.input = rows.size();
+  }
+  const auto first_seeds = static_cast<std::size_t>(std::ceil(options.seed_share * static_cast<double>(rows.size())));
+  detail::BestPoses poses(correspondences, tau);
+  std::vector<std::uint32_t> best_set;
+  const TcfOptions test_options{.noise_bound = tau, .seed = options.seed, .bounds_tried = options.bounds_tried};
+  detail::FinalPose final;
+  // The rest of the correspondences are seeds as well if the first ones lead to no significant pose.
+  for (const auto& [begin, end] : {std::pair(std::size_t{0}, first_seeds), std::pair(first_seeds, order.size())}) {
+    const std::span<const std::uint32_t> seeds = std::span(order).subspan(begin, end - begin);
+    {
+      const detail::StageClock stage_clock(fitting.seconds);
+      const SeedPoses hypotheses = second_order_poses(rows, matrices, seeds, options);
+      if (const auto best = detail::select_pose(correspondences, hypotheses.poses, tau, options.ranking, poses)) {
+        const IndexTriple& leading = hypotheses.leading[*best];
+        best_set = detail::rows_agreeing_with(
+            correspondences, {sample.row(leading.first), sample.row(leading.second), sample.row(leading.third)}, tau);
+      }
+      fitting.output = poses.best().support.count;
+      fitting.iterations += seeds.size();
+    }
+    const detail::StageClock stage_clock(refinement.seconds);
+    if (poses.best().support.count >= 3) {
+      final = detail::finish(correspondences, test_options, poses.best(), static_cast<std::uint32_t>(size));
+    }
+    if (final.log10_false_poses < detail::kSignificant) break;
+  }
+  detail::conclude(correspondences, test_options, poses, best_set, final, true, result);
+  seeding.output = fitting.iterations;
+  refinement.output = result.inliers.size();
+  refinement.iterations = final.rounds;
+  result.stages = {compatibility, seeding, fitting, refinement};
+  return result;
+}
+
+}  // namespace consimd

@@ -1,0 +1,183 @@
+#include "scale/scaled_registration.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <iterator>
+#include <span>
+#include <utility>
+#include <vector>
+
+#include <consimd/kernels/alignment_residuals.hpp>
+#include <consimd/poses/rigid_fit.hpp>
+#include <consimd/solvers/pose_refinement.hpp>
+#include <consimd/solvers/scale_voting.hpp>
+#include <consimd/solvers/tcf.hpp>
+
+#include "call/option_checks.hpp"
+#include "call/stage_clock.hpp"
+#include "search/consensus_search.hpp"
+#include "support/best_poses.hpp"
+#include "verdict/pairing_chances.hpp"
+
+namespace consimd::detail {
+namespace {
+
+// Votes, as a share of the most, from which a scale is tried though another has a pose already.
+constexpr double kRivalVotes = 0.3;
+constexpr std::uint32_t kMostRounds = 20;
+// A change of scale that moves points by less than this share of the noise.
+constexpr double kStill = 1e-3;
+// Pairs whose lengths are compared to count scales.
+constexpr std::uint32_t kPairs = 1024;
+constexpr double kMostScales = 1e4;
+
+/// x_target = scale * R * x_source + t; the pose is of the scaled source, caller's frame.
+struct Similarity {
+  double scale = 1.0;
+  RigidTransform T_target_source = RigidTransform::Identity();
+};
+
+PoseCandidate candidate(const Correspondences& scaled, const RigidTransform& T_target_source, double noise_bound) {
+  PoseCandidate result{to_working_pose(to_working_frame(T_target_source, scaled)), {}};
+  alignment_scores(scaled, std::span(&result.pose, 1), noise_bound, std::span(&result.support, 1));
+  return result;
+}
+
+/// Scales that pairs can tell apart: at each only a share of the mismatched pairs agree in length.
+double scales_told_apart(const Correspondences& scaled, double noise_bound, std::uint64_t seed) {
+  const LengthChance chance(scaled.view(), {}, kPairs, seed);
+  return std::min(std::ceil(1.0 / std::max(chance(2.0 * noise_bound), 1e-9)), kMostScales);
+}
+
+std::uint32_t times(std::uint32_t bounds_tried, double scales) {
+  return static_cast<std::uint32_t>(std::min(std::max(bounds_tried, 1U) * scales, 4e9));
+}
+
+/// Pose and scale in turn. Returns the rounds.
+std::uint32_t refine(const Correspondences& correspondences, double noise_bound, Similarity& similarity) {
+  for (std::uint32_t round = 1; round <= kMostRounds; ++round) {
+    const Correspondences scaled = correspondences.with_scaled_source(similarity.scale);
+    const RefinedPose refined =
+        refine_pose(scaled, to_working_pose(to_working_frame(similarity.T_target_source, scaled)), {noise_bound});
+    if (!refined.fit.determined() || !(refined.scale > 0.0)) return round;
+    RigidTransform& pose = similarity.T_target_source;
+    pose = to_caller_frame(refined.fit.pose, scaled);
+    // About the centre of the inliers, which stays where it is.
+    const Eigen::Vector3d centre = Eigen::Vector3d(refined.centre) / scaled.scale() +
+                                   Eigen::Map<const Eigen::Vector3d>(scaled.source_centroid().data());
+    pose.translation() -= (refined.scale - 1.0) * (pose.linear() * centre);
+    similarity.scale *= refined.scale;
+    // A working frame is about 1 in size.
+    if (std::abs(refined.scale - 1.0) < kStill * refined.sigma * scaled.scale()) return round;
+  }
+  return kMostRounds;
+}
+
+/// What a scale led to.
+struct Trial {
+  Similarity similarity;
+  Registration run;
+};
+
+/// The trial with most inliers; the first one if none has a pose.
+std::size_t best_of(const std::vector<Trial>& trials) {
+  std::size_t best = 0;
+  for (std::size_t t = 1; t < trials.size(); ++t) {
+    if (trials[t].run.inliers.size() > trials[best].run.inliers.size()) best = t;
+  }
+  return best;
+}
+
+/// The poses that other scales led to, the best of them first refined; none without one.
+void add_rival(const std::vector<Trial>& trials, std::size_t best, Registration& result) {
+  for (std::size_t t = 0; t < trials.size(); ++t) {
+    const Registration& run = trials[t].run;
+    if (t == best || !run.has_pose()) continue;
+    if (result.runner_up && result.runner_up->support >= run.inliers.size()) continue;
+    result.runner_up =
+        RunnerUp{run.T_target_source, run.inliers.size(), run.log10_false_poses, trials[t].similarity.scale};
+    if (static_cast<double>(run.inliers.size()) >= kRivalShare * static_cast<double>(result.inliers.size())) {
+      result.status = Status::ambiguous;
+    }
+  }
+}
+
+}  // namespace
+
+Registration register_scaled(const Correspondences& correspondences, double noise_bound, std::uint32_t bounds_tried,
+                             std::uint64_t seed, Refinement refinement, const KnownScaleSolver& solver) {
+  require_length("noise_bound", noise_bound);
+  Registration result = start_registration(noise_bound, seed);
+  const StageClock clock(result.seconds);
+  const std::size_t size = correspondences.size();
+  if (size < 3) {
+    result.status = Status::too_few_correspondences;
+    return result;
+  }
+  StageReport voting{"scale_voting", size};
+  std::vector<VotedScale> scales;
+  {
+    const StageClock stage_clock(voting.seconds);
+    scales = scale_voting(correspondences, {.noise_bound = noise_bound, .seed = seed});
+  }
+  if (scales.empty()) scales.emplace_back();  // nothing tells: what the solver says of scale 1
+  voting.output = scales.front().voters;
+  voting.iterations = scales.front().measurements;
+  result.stages = {voting};
+
+  std::vector<Trial> trials;
+  for (const VotedScale& voted : scales) {
+    const bool found = !trials.empty() && trials[best_of(trials)].run.has_pose();
+    if (found && voted.votes < kRivalVotes * scales.front().votes) break;
+    const Correspondences scaled = correspondences.with_scaled_source(voted.scale);
+    Trial trial{{voted.scale}, solver(scaled, times(bounds_tried, scales_told_apart(scaled, noise_bound, seed)))};
+    trial.similarity.T_target_source = trial.run.T_target_source;
+    std::ranges::copy(trial.run.stages, std::back_inserter(result.stages));
+    trials.push_back(std::move(trial));
+  }
+  const std::size_t best = best_of(trials);
+  const Registration& found = trials[best].run;
+  if (!found.has_pose()) {
+    result.status = found.status;
+    result.log10_false_poses = found.log10_false_poses;
+    return result;
+  }
+
+  StageReport similarity_report{"similarity", size};
+  {
+    const StageClock stage_clock(similarity_report.seconds);
+    Similarity similarity = trials[best].similarity;
+    if (refinement == Refinement::full) {
+      similarity_report.iterations = refine(correspondences, noise_bound, similarity);
+    }
+    const Correspondences scaled = correspondences.with_scaled_source(similarity.scale);
+    const TcfOptions options{.noise_bound = noise_bound,
+                             .seed = seed,
+                             .bounds_tried = times(bounds_tried, scales_told_apart(scaled, noise_bound, seed))};
+    BestPoses poses(scaled, noise_bound);
+    poses.offer(candidate(scaled, similarity.T_target_source, noise_bound));
+    if (found.runner_up) poses.offer(candidate(scaled, found.runner_up->T_target_source, noise_bound));
+    FinalPose final;
+    if (poses.best().support.count >= 3) {
+      final = finish(scaled, options, poses.best(), static_cast<std::uint32_t>(size), refinement);
+    }
+    // The solver has told that the set is no reflection's.
+    conclude(scaled, options, poses, final.inliers, final, found.status != Status::budget_exhausted, result);
+    similarity_report.output = result.inliers.size();
+    if (result.has_pose()) {
+      result.scale = similarity.scale;
+      result.scale_deviation = final.scale_deviation * similarity.scale;
+      if (result.runner_up) result.runner_up->scale = similarity.scale;
+      const Eigen::Vector3d lever =
+          result.T_target_source.linear() * (Eigen::Vector3d(final.centre) / scaled.scale() +
+                                             Eigen::Map<const Eigen::Vector3d>(scaled.source_centroid().data()));
+      const Eigen::Vector3d shift = final.scale_deviation * lever;
+      result.covariance.bottomRightCorner<3, 3>() += shift * shift.transpose();
+      add_rival(trials, best, result);
+    }
+  }
+  result.stages.push_back(similarity_report);
+  return result;
+}
+
+}  // namespace consimd::detail

@@ -1,0 +1,100 @@
+#include "search/consensus_search.hpp"
+
+#include <oneapi/tbb/parallel_for.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "call/stage_clock.hpp"
+#include "sampling/sampling.hpp"
+#include "verdict/chance_search.hpp"
+
+namespace consimd::detail {
+namespace {
+
+// Rounds of seeds grow from the first to the last size: few for easy problems, enough to keep many threads busy in hard
+// ones.
+constexpr std::uint32_t kFirstRound = 4;
+constexpr std::uint32_t kLargestRound = 64;
+// The sets tried first in a round; the others must promise more than what these gave.
+constexpr std::size_t kFirstWave = 2;
+// Sets and poses this much worse than the best of their round are not worth a fit.
+constexpr float kWorthFitting = 0.5F;
+constexpr float kWorthOptimising = 0.8F;
+
+bool lower_score(const PoseCandidate& a, const PoseCandidate& b) { return a.support.score < b.support.score; }
+
+}  // namespace
+
+ConsensusSearch::ConsensusSearch(const Correspondences& correspondences, const TcfOptions& options)
+    : correspondences_(correspondences),
+      options_(options),
+      sets_(correspondences, 2.0 * options.noise_bound, options.seed, options.matrix_budget_bytes),
+      poses_(correspondences, options.noise_bound) {}
+
+std::uint64_t ConsensusSearch::seeds_needed() const {
+  const auto size = static_cast<double>(correspondences_.size());
+  const double share = best().support.count < 3 ? 0.0 : best().support.count / size;
+  return std::min<std::uint64_t>(iterations_needed(options_.confidence, share, 1), correspondences_.size());
+}
+
+bool ConsensusSearch::confident() const { return sets_.drawn() >= seeds_needed(); }
+
+void ConsensusSearch::run(bool exhaustive) {
+  if (exhaustive) sets_.start_over_carefully();
+  const std::uint64_t limit = std::min<std::uint64_t>(correspondences_.size(), options_.max_seeds);
+  const auto wanted = [&] { return static_cast<std::uint32_t>(exhaustive ? limit : std::min(limit, seeds_needed())); };
+  // A seed that the best pose moves to its target would lead to that pose again.
+  const auto explained = [&](std::uint32_t row) {
+    return poses_.best_explains(row) || (settled_ && poses_.runner_up_explains(row));
+  };
+  for (std::uint32_t round = kFirstRound; sets_.drawn() < wanted(); round = std::min(2 * round, kLargestRound)) {
+    const std::uint32_t left = wanted() - sets_.drawn();
+    sets_.draw(std::min(round, left), left > kLargestRound);
+    std::span<const std::uint32_t> ranking = sets_.rank(support_of_interest(), explained);
+    for (std::size_t wave = kFirstWave; !ranking.empty(); wave = ranking.size()) {
+      wave = std::min(wave, ranking.size());
+      sets_.prune(ranking.first(wave), support_of_interest(), settled_.has_value());
+      fit_sets(ranking.first(wave));
+      ranking = sets_.promising(ranking.subspan(wave), support_of_interest(), explained);
+    }
+  }
+}
+
+// Support from which a pose may become the best or its rival.
+std::uint32_t ConsensusSearch::support_of_interest() const {
+  return static_cast<std::uint32_t>(kRivalShare * best().support.count);
+}
+
+void ConsensusSearch::fit_sets(std::span<const std::uint32_t> positions) {
+  const StageClock clock(three_point_seconds_);
+  std::size_t largest = 0;
+  for (const std::uint32_t h : positions) largest = std::max(largest, sets_.set(h).size());
+  const float least = std::max(3.0F, kWorthFitting * static_cast<float>(largest));
+  std::vector<std::uint32_t> fitted;
+  std::copy_if(positions.begin(), positions.end(), std::back_inserter(fitted),
+               [&](std::uint32_t h) { return static_cast<float>(sets_.set(h).size()) >= least; });
+  if (fitted.empty()) return;
+
+  candidates_.resize(fitted.size());
+  tbb::parallel_for(std::size_t{0}, fitted.size(), [&](std::size_t i) {
+    candidates_[i] = pose_of_set(correspondences_, sets_.set(fitted[i]), options_.noise_bound, options_.seed,
+                                 sets_.drawn() + fitted[i], support_of_interest(), scratch_.local());
+  });
+  minimal_fits_ += fitted.size() * kTriplesPerSet;
+  const auto winner = std::max_element(candidates_.begin(), candidates_.end(), lower_score);
+  if (winner->support.score > kWorthOptimising * best().support.score) {
+    *winner = locally_optimise(correspondences_, *winner, options_.noise_bound);
+  }
+  bool improved = false;
+  for (std::size_t i = 0; i < candidates_.size(); ++i) {
+    if (!poses_.offer(candidates_[i])) continue;
+    best_set_ = sets_.set(fitted[i]);
+    improved = true;
+  }
+  if (!improved) return;
+  settled_ = significance(correspondences_, best().pose, options_.noise_bound, options_.seed, Scrutiny::glance);
+  if (settled_->log10_false_poses > kSure) settled_.reset();
+}
+
+}  // namespace consimd::detail

@@ -1,0 +1,65 @@
+// The search of the default TCF: rounds of seeds, their sets, the poses of these.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include <consimd/kernels/correspondences.hpp>
+#include <consimd/solvers/significance.hpp>
+#include <consimd/solvers/tcf.hpp>
+
+#include "search/seed_sets.hpp"
+#include "search/set_poses.hpp"
+#include "support/best_poses.hpp"
+
+namespace consimd::detail {
+
+/// Share of the best pose's support from which another motion makes the result ambiguous.
+inline constexpr double kRivalShare = 0.8;
+
+class ConsensusSearch {
+ public:
+  /// Keeps references to both.
+  ConsensusSearch(const Correspondences& correspondences, const TcfOptions& options);
+
+  /// Draws rounds of seeds until one of the best pose's supporters has been among them with the wanted confidence, or,
+  /// if `exhaustive`, all of them, again and with more care.
+  void run(bool exhaustive);
+
+  /// The pose of highest score so far, locally optimised; support.count below 3: none.
+  [[nodiscard]] const PoseCandidate& best() const noexcept { return poses_.best(); }
+  /// The same, and the best pose that is another motion, not optimised: one with at least kRivalShare of the best
+  /// pose's support is met with about the confidence that the best one is.
+  [[nodiscard]] const BestPoses& poses() const noexcept { return poses_; }
+  /// The pruned set that it came from, ascending.
+  [[nodiscard]] const std::vector<std::uint32_t>& best_set() const noexcept { return best_set_; }
+  /// Whether the seeds drawn suffice for the wanted confidence.
+  [[nodiscard]] bool confident() const;
+
+  /// Of the best pose, once a glance leaves hardly a doubt: only rivals may still turn up then.
+  [[nodiscard]] const std::optional<Significance>& settled() const noexcept { return settled_; }
+
+  [[nodiscard]] const SeedSets& sets() const noexcept { return sets_; }
+  [[nodiscard]] std::uint64_t minimal_fits() const noexcept { return minimal_fits_; }
+  [[nodiscard]] double three_point_seconds() const noexcept { return three_point_seconds_; }
+
+ private:
+  [[nodiscard]] std::uint64_t seeds_needed() const;
+  [[nodiscard]] std::uint32_t support_of_interest() const;
+  void fit_sets(std::span<const std::uint32_t> positions);
+
+  const Correspondences& correspondences_;
+  const TcfOptions& options_;
+  SeedSets sets_;
+  BestPoses poses_;
+  std::vector<std::uint32_t> best_set_;
+  std::optional<Significance> settled_;
+  std::vector<PoseCandidate> candidates_;
+  tbb::enumerable_thread_specific<PoseScratch> scratch_;
+  double three_point_seconds_ = 0.0;
+  std::uint64_t minimal_fits_ = 0;
+};
+
+}  // namespace consimd::detail

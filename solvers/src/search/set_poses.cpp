@@ -1,0 +1,122 @@
+#include "search/set_poses.hpp"
+
+#include <algorithm>
+#include <array>
+
+#include <consimd/kernels/alignment_residuals.hpp>
+#include <consimd/kernels/rigid_moments.hpp>
+#include <consimd/kernels/three_point_fit.hpp>
+#include <consimd/poses/rigid_fit.hpp>
+
+#include "sampling/sampling.hpp"
+#include "search/pruning.hpp"
+#include "support/row_blocks.hpp"
+
+namespace consimd::detail {
+namespace {
+
+// The first triples of a set. The others are tried if these give a score within the set of some share of its size and
+// of the support to beat, and are not needed once a third of the set agrees.
+constexpr std::uint32_t kFirstTriples = 48;
+constexpr float kPromisingShare = 0.07F;
+constexpr float kSupportShare = 0.3F;
+constexpr float kEnoughShare = 0.2F;
+constexpr std::size_t kGlances = 16;
+// Bounds of the refits, in noise bounds: wide first, since the start may be off by more than the noise.
+constexpr std::array kLocalBounds{1.5, 1.25, 1.0, 1.0, 1.0};
+constexpr double kNeighbourhood = 3.0;  // in noise bounds
+constexpr double kSmallPart = 0.25;
+
+RigidFit truncated_fit(const CorrespondenceView& view, const WorkingPose& pose, double bound) {
+  return rigid_fit(row_blocks::robust_moments(view, pose, {WeightFunction::truncated, bound, bound, 0.0}));
+}
+
+}  // namespace
+
+PoseCandidate pose_of_set(const Correspondences& correspondences, const std::vector<std::uint32_t>& set,
+                          double noise_bound, std::uint64_t seed, std::uint64_t hypothesis,
+                          std::uint32_t support_to_beat, PoseScratch& scratch) {
+  scratch.subset.assign_subset(correspondences, set);
+  const CorrespondenceView subset = scratch.subset.view();
+  CounterRandom random(seed, RandomStage::three_point, hypothesis);
+  scratch.triples.resize(kTriplesPerSet);
+  scratch.poses.resize(kTriplesPerSet);
+  scratch.support.resize(kTriplesPerSet);
+  const auto best_of = [&](std::size_t first, std::size_t count) {
+    const std::span<IndexTriple> triples = std::span(scratch.triples).subspan(first, count);
+    for (IndexTriple& triple : triples) triple = draw_triple(random, static_cast<std::uint32_t>(set.size()));
+    const std::span<WorkingPose> poses = std::span(scratch.poses).subspan(first, count);
+    const std::span<PoseSupport> support = std::span(scratch.support).subspan(first, count);
+    three_point_fits(subset, triples, poses);
+    alignment_scores(subset, poses, noise_bound, support);
+    const auto end = scratch.support.begin() + static_cast<std::ptrdiff_t>(first + count);
+    return std::ranges::max_element(scratch.support.begin(), end, {}, &PoseSupport::score);
+  };
+  auto best = best_of(0, kFirstTriples);
+  // A set may hold a part of a pose's supporters only.
+  const std::size_t wanted = std::min<std::size_t>(support_to_beat, set.size());
+  const float promising =
+      std::max(kPromisingShare * static_cast<float>(set.size()), kSupportShare * static_cast<float>(wanted));
+  if (best->score < promising) return {};
+  if (best->score < kEnoughShare * static_cast<float>(set.size())) {
+    best = best_of(kFirstTriples, kTriplesPerSet - kFirstTriples);
+  }
+
+  const WorkingPose minimal = scratch.poses[static_cast<std::size_t>(best - scratch.support.begin())];
+  std::array<WorkingPose, 2> poses{minimal, minimal};
+  for (int round = 0; round < 2; ++round) {
+    const RigidFit fit = truncated_fit(subset, poses[1], noise_bound);
+    if (!fit.determined()) break;
+    poses[1] = to_working_pose(fit.pose);
+  }
+  std::array<PoseSupport, 2> support{};
+  row_blocks::alignment_scores(correspondences, poses, noise_bound, support);
+  return support[1].score > support[0].score ? PoseCandidate{poses[1], support[1]}
+                                             : PoseCandidate{poses[0], support[0]};
+}
+
+float score_at_a_glance(const Correspondences& correspondences, std::span<const std::uint32_t> set, double noise_bound,
+                        PoseScratch& scratch) {
+  if (set.size() < 3) return 0.0F;
+  scratch.subset.assign_subset(correspondences, set);
+  const std::size_t others = set.size() - 2;
+  scratch.triples.resize(std::min(others, kGlances));
+  for (std::size_t i = 0; i < scratch.triples.size(); ++i) {
+    scratch.triples[i] = {0, 1, static_cast<std::uint32_t>(2 + i * others / scratch.triples.size())};
+  }
+  scratch.poses.resize(scratch.triples.size());
+  scratch.support.resize(scratch.triples.size());
+  three_point_fits(scratch.subset, scratch.triples, scratch.poses);
+  alignment_scores(scratch.subset, scratch.poses, noise_bound, scratch.support);
+  return std::ranges::max_element(scratch.support, {}, &PoseSupport::score)->score;
+}
+
+PoseCandidate locally_optimise(const Correspondences& correspondences, const PoseCandidate& start, double noise_bound) {
+  const CorrespondenceView view = correspondences.view();
+  // Refits look at the neighbourhood alone where that is a small part.
+  Correspondences near;
+  if (start.support.count < kSmallPart * static_cast<double>(view.size())) {
+    near = correspondences.subset(pose_inliers(view, start.pose, kNeighbourhood * noise_bound));
+  }
+  const CorrespondenceView refitted = near.size() == 0 ? view : near.view();
+  PoseCandidate best = start;
+  PoseCandidate current = start;
+  for (const double bound : kLocalBounds) {
+    const RigidFit fit = truncated_fit(refitted, current.pose, bound * noise_bound);
+    if (!fit.determined()) break;
+    current.pose = to_working_pose(fit.pose);
+    row_blocks::alignment_scores(view, std::span(&current.pose, 1), noise_bound, std::span(&current.support, 1));
+    if (current.support.score > best.support.score) best = current;
+  }
+  return best;
+}
+
+std::vector<std::uint32_t> pose_inliers(const CorrespondenceView& view, const WorkingPose& pose, double noise_bound) {
+  std::vector<std::uint64_t> bits(view.words());
+  std::vector<std::uint32_t> inliers;
+  inliers.reserve(row_blocks::alignment_bits(view, pose, noise_bound, bits));
+  members_of(bits, inliers);
+  return inliers;
+}
+
+}  // namespace consimd::detail

@@ -1,0 +1,81 @@
+#include "tcf/tcf_published.hpp"
+
+#include <utility>
+
+#include <consimd/solvers/one_point_ransac.hpp>
+#include <consimd/solvers/sa_cauchy_irls.hpp>
+#include <consimd/solvers/three_point_ransac.hpp>
+#include <consimd/solvers/two_point_ransac.hpp>
+
+#include "call/stage_clock.hpp"
+#include "search/set_poses.hpp"
+
+namespace consimd::detail {
+
+void register_tcf_published(const Correspondences& correspondences, const TcfOptions& options, Registration& result) {
+  const double tau = options.noise_bound;
+  const auto run_stage = [&](std::string name, std::size_t input, auto&& stage) {
+    StageReport report{std::move(name), input};
+    {
+      const StageClock clock(report.seconds);
+      stage(report);
+    }
+    result.stages.push_back(std::move(report));
+  };
+
+  ConsensusSet one;
+  run_stage("one_point", correspondences.size(), [&](StageReport& report) {
+    one = one_point_ransac(correspondences, {.consistency_bound = 2.0 * tau,
+                                             .confidence = options.confidence,
+                                             .max_iterations = options.max_seeds,
+                                             .prune = false,
+                                             .seed = options.seed});
+    report.output = one.members.size();
+    report.iterations = one.iterations;
+  });
+
+  ConsensusSet two;
+  run_stage("two_point", one.members.size(), [&](StageReport& report) {
+    two = two_point_ransac(correspondences, one.members,
+                           {.consistency_bound = 2.0 * tau,
+                            .angle_bound = tau,
+                            .confidence = options.confidence,
+                            .max_iterations = options.max_seeds,
+                            .angle_test = AngleTest::as_printed,
+                            .prune = false,
+                            .seed = options.seed});
+    report.output = two.members.size();
+    report.iterations = two.iterations;
+  });
+
+  ThreePointResult three;
+  run_stage("three_point", two.members.size(), [&](StageReport& report) {
+    three = three_point_ransac(correspondences, two.members,
+                               {.noise_bound = tau,
+                                .confidence = options.confidence,
+                                .max_iterations = options.max_seeds,
+                                .seed = options.seed});
+    report.output = three.consensus.members.size();
+    report.iterations = three.consensus.iterations;
+  });
+  if (three.consensus.members.size() < 3) {
+    result.status = Status::no_consensus;
+    return;
+  }
+
+  IrlsResult irls;
+  run_stage("irls", three.consensus.members.size(), [&](StageReport& report) {
+    irls = sa_cauchy_irls(correspondences, three.consensus.members, {.rule = SaCauchyIrlsOptions::Rule::as_printed});
+    report.output = irls.members.size();
+    report.iterations = irls.rounds;
+  });
+  if (!irls.fit.determined()) {
+    result.status = Status::degenerate_geometry;
+    return;
+  }
+  result.status = Status::success;
+  result.T_target_source = to_caller_frame(irls.fit.pose, correspondences);
+  result.inliers = pose_inliers(correspondences.view(), to_working_pose(irls.fit.pose), tau);
+}
+
+}  // namespace consimd::detail

@@ -1,0 +1,197 @@
+#include <consimd/solvers/teaser.hpp>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <numeric>
+
+#include <consimd/kernels/alignment_residuals.hpp>
+#include <consimd/kernels/consistency_matrix.hpp>
+#include <consimd/solvers/adaptive_voting.hpp>
+#include <consimd/solvers/maximum_clique.hpp>
+
+#include "call/option_checks.hpp"
+#include "call/stage_clock.hpp"
+#include "scale/scaled_registration.hpp"
+#include "search/consensus_search.hpp"
+#include "search/set_poses.hpp"
+#include "verdict/final_pose.hpp"
+
+namespace consimd {
+namespace {
+
+/// The correspondences that TEASER estimates from.
+struct Selected {
+  std::vector<std::uint32_t> rows;
+  bool proven = true;
+  std::uint64_t nodes = 0;
+};
+
+Selected select(const ConsistencyMatrix& matrix, const TeaserOptions& options) {
+  Selected selected;
+  switch (options.selection) {
+    case TeaserOptions::Selection::maximum_clique: {
+      MaximumClique clique = maximum_clique(matrix, {.max_nodes = options.max_nodes});
+      selected = {std::move(clique.members), clique.proven, clique.nodes};
+      break;
+    }
+    case TeaserOptions::Selection::maximum_core:
+      selected.rows = maximum_core(matrix);
+      break;
+    case TeaserOptions::Selection::everything:
+      selected.rows.resize(matrix.size());
+      std::iota(selected.rows.begin(), selected.rows.end(), 0U);
+      break;
+  }
+  return selected;
+}
+
+/// The translation of q = R p + t by a vote on each axis; working frame. members: those in favour on all axes.
+struct TranslationVote {
+  std::array<double, 3> translation{};
+  std::size_t members = 0;
+};
+
+TranslationVote vote_translation(const CorrespondenceView& view, std::span<const std::uint32_t> rows,
+                                 const Eigen::Matrix3d& rotation, double noise_bound) {
+  TranslationVote result;
+  const std::vector<double> bounds(rows.size(), std::max(noise_bound * view.scale(), 1e-9));
+  std::vector<double> values(rows.size());
+  std::vector<int> votes(view.size(), 0);
+  for (int axis = 0; axis < 3; ++axis) {
+    for (std::size_t i = 0; i < rows.size(); ++i) {
+      const std::uint32_t k = rows[i];
+      const Eigen::Vector3d source(view.source(0)[k], view.source(1)[k], view.source(2)[k]);
+      values[i] = view.target(static_cast<std::size_t>(axis))[k] - rotation.row(axis).dot(source);
+    }
+    const AdaptiveVote vote = adaptive_voting(values, bounds);
+    result.translation[static_cast<std::size_t>(axis)] = vote.value;
+    for (const std::uint32_t i : vote.consensus) {
+      if (++votes[rows[i]] == 3) ++result.members;
+    }
+  }
+  return result;
+}
+
+/// The pose of selected correspondences.
+struct Estimate {
+  detail::PoseCandidate candidate{};  ///< without support: the rotation is not determined
+  std::uint32_t rotation_rounds = 0;
+  std::size_t voters = 0;
+  double rotation_seconds = 0.0;
+  double translation_seconds = 0.0;
+};
+
+Estimate estimate(const Correspondences& correspondences, std::span<const std::uint32_t> rows,
+                  const TeaserOptions& options) {
+  Estimate result;
+  GncRotation rotation;
+  {
+    const detail::StageClock clock(result.rotation_seconds);
+    rotation = gnc_rotation(correspondences, rows,
+                            {.difference_bound = 2.0 * options.noise_bound, .pairs = options.rotation_pairs});
+  }
+  result.rotation_rounds = rotation.rounds;
+  if (!rotation.determined) return result;
+  const detail::StageClock clock(result.translation_seconds);
+  const CorrespondenceView view = correspondences.view();
+  const TranslationVote vote = vote_translation(view, rows, rotation.rotation, options.noise_bound);
+  result.voters = vote.members;
+  RigidTransform pose = RigidTransform::Identity();
+  pose.linear() = rotation.rotation;
+  pose.translation() = Eigen::Map<const Eigen::Vector3d>(vote.translation.data());
+  detail::PoseCandidate& candidate = result.candidate;
+  candidate.pose = to_working_pose(pose);
+  alignment_scores(view, std::span(&candidate.pose, 1), options.noise_bound, std::span(&candidate.support, 1));
+  if (options.refine) candidate = detail::locally_optimise(correspondences, candidate, options.noise_bound);
+  return result;
+}
+
+/// Offers the pose of a large clique of what the best pose does not explain, if that may be a rival. The greedy search
+/// finds the cliques that stand out, as a motion's do; a proof would cost more than the pose itself.
+void look_for_rival(const Correspondences& correspondences, const TeaserOptions& options, detail::BestPoses& poses) {
+  std::vector<std::uint32_t> rest;
+  for (std::uint32_t k = 0; k < correspondences.size(); ++k) {
+    if (!poses.best_explains(k)) rest.push_back(k);
+  }
+  const auto supporters = static_cast<std::uint32_t>(std::ceil(detail::kRivalShare * poses.best().support.count));
+  if (rest.size() < supporters) return;
+  const Correspondences others = correspondences.subset(rest);
+  ConsistencyMatrix matrix;
+  matrix.compute(others.view(), 2.0 * options.noise_bound);
+  const MaximumClique clique = maximum_clique(matrix, {.max_nodes = 0, .larger_than = std::max(supporters, 3U) - 1});
+  if (clique.members.empty()) return;
+  std::vector<std::uint32_t> rows;
+  for (const std::uint32_t i : clique.members) rows.push_back(rest[i]);
+  poses.offer(estimate(correspondences, rows, options).candidate);
+}
+
+Registration register_at_known_scale(const Correspondences& correspondences, const TeaserOptions& options) {
+  Registration result = detail::start_registration(options.noise_bound, options.seed);
+  const detail::StageClock clock(result.seconds);
+  const std::size_t size = correspondences.size();
+  if (size < 3) {
+    result.status = Status::too_few_correspondences;
+    return result;
+  }
+  StageReport selection_report{"maximum_clique", size};
+  Selected selected;
+  {
+    const detail::StageClock stage(selection_report.seconds);
+    ConsistencyMatrix matrix;
+    matrix.compute(correspondences.view(), result.consistency_bound);
+    selected = select(matrix, options);
+  }
+  selection_report.output = selected.rows.size();
+  selection_report.iterations = selected.nodes;
+  const Estimate best = estimate(correspondences, selected.rows, options);
+  const std::size_t kept = selected.rows.size();
+  result.stages = {selection_report,
+                   {"gnc_rotation", kept, kept, best.rotation_rounds, best.rotation_seconds},
+                   {"adaptive_voting", kept, best.voters, 3, best.translation_seconds}};
+
+  detail::BestPoses poses(correspondences, options.noise_bound);
+  if (best.candidate.support.count >= 3) {
+    StageReport rival_report{"rival", size};
+    {
+      const detail::StageClock stage(rival_report.seconds);
+      poses.offer(best.candidate);
+      look_for_rival(correspondences, options, poses);
+    }
+    rival_report.output = poses.runner_up().support.count;
+    result.stages.push_back(rival_report);
+  }
+
+  // Tested as if the default search had found it from all of its seeds, which finds poses of chance at least as well.
+  const TcfOptions test_options{
+      .noise_bound = options.noise_bound, .seed = options.seed, .bounds_tried = options.bounds_tried};
+  StageReport refinement_report{options.refine ? "irls" : "significance", size};
+  detail::FinalPose final;
+  if (poses.best().support.count >= 3) {
+    const detail::StageClock stage(refinement_report.seconds);
+    final = detail::finish(correspondences, test_options, poses.best(), static_cast<std::uint32_t>(size),
+                           options.refine ? detail::Refinement::full : detail::Refinement::none);
+  }
+  detail::conclude(correspondences, test_options, poses, selected.rows, final, selected.proven, result);
+  refinement_report.output = result.inliers.size();
+  refinement_report.iterations = final.rounds;
+  result.stages.push_back(refinement_report);
+  return result;
+}
+
+}  // namespace
+
+Registration register_teaser(const Correspondences& correspondences, const TeaserOptions& options) {
+  detail::require_length("noise_bound", options.noise_bound);
+  detail::require_whole_matrix(options.matrix_budget_bytes, correspondences.size());
+  if (!options.estimate_scale) return register_at_known_scale(correspondences, options);
+  return detail::register_scaled(correspondences, options.noise_bound, options.bounds_tried, options.seed,
+                                 options.refine ? detail::Refinement::full : detail::Refinement::none,
+                                 [&](const Correspondences& scaled, std::uint32_t tried) {
+                                   TeaserOptions known = options;
+                                   known.bounds_tried = tried;
+                                   return register_at_known_scale(scaled, known);
+                                 });
+}
+
+}  // namespace consimd

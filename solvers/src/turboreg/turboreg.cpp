@@ -1,0 +1,90 @@
+#include <consimd/solvers/turboreg.hpp>
+
+#include <oneapi/tbb/blocked_range.h>
+#include <oneapi/tbb/parallel_for.h>
+
+#include <consimd/kernels/three_point_fit.hpp>
+
+#include "call/option_checks.hpp"
+#include "call/stage_clock.hpp"
+#include "search/matrix_sample.hpp"
+#include "support/hypothesis_selection.hpp"
+#include "verdict/final_pose.hpp"
+#include "verdict/pose_checks.hpp"
+
+namespace consimd {
+namespace {
+
+constexpr std::size_t kFitsPerTask = 64;
+
+void check(const TurboRegOptions& options) {
+  detail::require_length("noise_bound", options.noise_bound);
+  detail::require_length("length_tolerance", options.length_tolerance);
+  detail::require_length("separation", options.separation);
+  detail::require_above_zero("pivots", options.pivots);
+  detail::require_above_zero("cliques_per_pivot", options.cliques_per_pivot);
+  detail::require_matrix_budget(options.matrix_budget_bytes, 1);
+}
+
+std::vector<WorkingPose> fit(const Correspondences& correspondences, std::span<const IndexTriple> triples) {
+  std::vector<WorkingPose> poses(triples.size());
+  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, triples.size(), kFitsPerTask), [&](const auto& range) {
+    three_point_fits(correspondences, triples.subspan(range.begin(), range.size()),
+                     std::span(poses).subspan(range.begin(), range.size()));
+  });
+  return poses;
+}
+
+}  // namespace
+
+Registration register_turboreg(const Correspondences& correspondences, const TurboRegOptions& options) {
+  check(options);
+  const double tau = options.noise_bound;
+  Registration result = detail::start_registration(tau, options.seed);
+  const detail::StageClock clock(result.seconds);
+  const std::size_t size = correspondences.size();
+  if (size < 3) {
+    result.status = Status::too_few_correspondences;
+    return result;
+  }
+  StageReport compatibility{"compatibility", size};
+  StageReport pivot_search{"pivots", size};
+  StageReport clique_search{"cliques", size};
+
+  const detail::MatrixSample sample(correspondences, 1, options.matrix_budget_bytes, options.seed);
+  const Correspondences& rows = sample.correspondences();
+  ConsistencyMatrix matrix;
+  {
+    const detail::StageClock stage_clock(compatibility.seconds);
+    matrix.compute_separated(rows, options.length_tolerance * tau, options.separation * tau);
+    compatibility.output = rows.size();
+  }
+  std::vector<IndexPair> pivots;
+  {
+    const detail::StageClock stage_clock(pivot_search.seconds);
+    pivots = strongest_edges(matrix, options.pivots);
+    pivot_search.input = rows.size();
+    pivot_search.iterations = pivots.size();
+  }
+  detail::BestPoses poses(correspondences, tau);
+  std::vector<std::uint32_t> best_set;
+  {
+    const detail::StageClock stage_clock(clique_search.seconds);
+    const std::vector<IndexTriple> cliques = pivot_cliques(matrix, pivots, options.cliques_per_pivot);
+    const std::vector<WorkingPose> hypotheses = fit(rows, cliques);
+    if (const auto best = detail::select_pose(correspondences, hypotheses, tau, options.ranking, poses)) {
+      const IndexTriple& clique = cliques[*best];
+      best_set = detail::rows_agreeing_with(
+          correspondences, {sample.row(clique.first), sample.row(clique.second), sample.row(clique.third)}, tau);
+    }
+    clique_search.output = poses.best().support.count;
+    clique_search.iterations = cliques.size();
+  }
+  result.stages = {compatibility, pivot_search, clique_search};
+  detail::finish_and_conclude(correspondences,
+                              {.noise_bound = tau, .seed = options.seed, .bounds_tried = options.bounds_tried}, poses,
+                              best_set, true, result);
+  return result;
+}
+
+}  // namespace consimd

@@ -1,0 +1,86 @@
+#include "verdict/pairing_chances.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include <consimd/kernels/alignment_residuals.hpp>
+
+#include "sampling/counter_random.hpp"
+#include "sampling/sampling.hpp"
+#include "support/points.hpp"
+#include "support/row_blocks.hpp"
+
+namespace consimd::detail {
+namespace {
+
+constexpr std::size_t kSmall = 8 * kBlock;  // up to here correspondences are shifted row by row
+
+// Of `distinct` values some were drawn, few of them maybe many times.
+double share_below(const std::vector<double>& values, double distinct, double bound) {
+  if (values.empty()) return chance(0.0, 0.0);
+  const auto hits = static_cast<double>(std::ranges::count_if(values, [bound](double value) { return value < bound; }));
+  const auto drawn = static_cast<double>(values.size());
+  const double trials = std::min(drawn, distinct);
+  return chance(hits * trials / drawn, trials);
+}
+
+}  // namespace
+
+double pose_chance(const CorrespondenceView& view, const WorkingPose& pose, double bound, std::uint32_t shifts) {
+  const std::size_t size = view.size();
+  double hits = 0.0;
+  double trials = 0.0;
+  if (size <= kSmall) {
+    const double limit = bound * view.scale();
+    const std::size_t step = std::max<std::size_t>(1, (size - 1) / shifts);
+    for (std::size_t shift = 1; shift < size; shift += step) {
+      for (std::size_t i = 0; i < size; ++i) {
+        hits +=
+            distance(moved(pose, source_point(view, i)), target_point(view, (i + shift) % size)) < limit ? 1.0 : 0.0;
+      }
+      trials += static_cast<double>(size);
+    }
+    return chance(hits, trials);
+  }
+  const auto blocks = static_cast<std::uint32_t>((size - 1) / kBlock);
+  const std::uint32_t used = std::min(shifts, blocks);
+  std::vector<std::uint32_t> offsets(used);
+  std::vector<std::uint32_t> counts(used);
+  for (std::uint32_t s = 0; s < used; ++s) offsets[s] = 1 + s * blocks / used;
+  row_blocks::mismatched_counts(view, pose, bound, offsets, counts);
+  for (std::uint32_t s = 0; s < used; ++s) {
+    hits += counts[s];
+    trials += static_cast<double>(mismatched_pairs(view, offsets[s]));
+  }
+  return chance(hits, trials);
+}
+
+LengthChance::LengthChance(const CorrespondenceView& view, std::span<const std::uint32_t> explained,
+                           std::uint32_t pairs, std::uint64_t seed)
+    : scale_(view.scale()), pairs_(0.5 * static_cast<double>(view.size()) * static_cast<double>(view.size() - 1)) {
+  const auto size = static_cast<std::uint32_t>(view.size());
+  std::vector<bool> is_explained(view.size());
+  for (const std::uint32_t row : explained) is_explained[row] = true;
+  own_.reserve(pairs);
+  mismatched_.reserve(pairs);
+  for (std::uint32_t s = 0; s < pairs; ++s) {
+    CounterRandom random(seed, RandomStage::background, s);
+    const IndexPair from = draw_pair(random, size);
+    const IndexPair to = draw_pair(random, size);
+    const double length = distance(source_point(view, from.first), source_point(view, from.second));
+    own_.push_back(is_explained[from.first] && is_explained[from.second]
+                       ? std::numeric_limits<double>::infinity()
+                       : std::abs(length - distance(target_point(view, from.first), target_point(view, from.second))));
+    const bool reversed = from.first == to.second && from.second == to.first;
+    if (from.first == to.first || from.second == to.second || reversed) continue;
+    mismatched_.push_back(std::abs(length - distance(target_point(view, to.first), target_point(view, to.second))));
+  }
+}
+
+double LengthChance::operator()(double bound) const {
+  return std::max(share_below(own_, pairs_, bound * scale_),
+                  share_below(mismatched_, pairs_ * (pairs_ - 1.0), bound * scale_));
+}
+
+}  // namespace consimd::detail

@@ -1,0 +1,89 @@
+#include "verdict/pose_checks.hpp"
+
+#include <Eigen/Eigenvalues>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include <consimd/kernels/length_consistency.hpp>
+#include <consimd/kernels/rigid_moments.hpp>
+#include <consimd/poses/rigid_fit.hpp>
+
+#include "search/pruning.hpp"
+#include "search/set_poses.hpp"
+#include "support/row_blocks.hpp"
+
+namespace consimd::detail {
+namespace {
+
+// Coordinates in the working frame are rounded to about this.
+constexpr double kResolution = 1e-7;
+// A length beyond every distance in the working frame.
+constexpr double kEverything = 8.0;
+// A reflection explains thin scenes nearly as well as the pose does; this many times its supporters tell.
+constexpr double kClearlyMore = 1.1;
+
+// With the moments of the supporters and the deviation of a residual in the working frame.
+double rotation_deviation(const RigidMoments& moments, double working_sigma) {
+  const double* s = moments.source_scatter;
+  const Eigen::Vector3d sum(moments.source[0], moments.source[1], moments.source[2]);
+  Eigen::Matrix3d scatter;
+  scatter << s[0], s[1], s[2], s[1], s[3], s[4], s[2], s[4], s[5];
+  scatter -= sum * sum.transpose() / moments.weight;
+  const Eigen::Vector3d axes = Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(scatter).eigenvalues();
+  return working_sigma / std::sqrt(std::max(axes[0] + axes[1], 0.0));
+}
+
+}  // namespace
+
+double rotation_deviation(const CorrespondenceView& view, const WorkingPose& pose, double noise_bound, double sigma) {
+  return rotation_deviation(row_blocks::robust_moments(view, pose, {.scale = noise_bound, .cutoff = noise_bound}),
+                            std::max(sigma * view.scale(), kResolution));
+}
+
+bool coincident_or_collinear(const Correspondences& correspondences) {
+  const double bound = kEverything / correspondences.scale();
+  const RigidMoments all = robust_moments(correspondences.view(), to_working_pose(RigidTransform::Identity()),
+                                          {WeightFunction::truncated, bound, bound, 0.0});
+  return rotation_deviation(all, kResolution) > kLargestRotationDeviation;
+}
+
+std::vector<std::uint32_t> rows_agreeing_with(const Correspondences& correspondences, const IndexTriple& triple,
+                                              double noise_bound) {
+  const CorrespondenceView view = correspondences.view();
+  const std::size_t words = view.words();
+  std::vector<std::uint64_t> bits(3 * words);
+  std::array<std::uint32_t, 3> counts{};
+  length_consistency_bits(view, std::array{triple.first, triple.second, triple.third}, 2.0 * noise_bound, bits, counts);
+  for (std::size_t w = 0; w < words; ++w) bits[w] &= bits[words + w] & bits[2 * words + w];
+  std::vector<std::uint32_t> rows;
+  members_of(std::span(bits).first(words), rows);
+  return rows;
+}
+
+bool is_mirrored(const Correspondences& correspondences, const std::vector<std::uint32_t>& set, std::size_t supporters,
+                 double noise_bound) {
+  const CorrespondenceView view = correspondences.view();
+  std::vector<float> source;
+  std::vector<float> target;
+  for (const std::uint32_t row : set) {
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      source.push_back((axis == 0 ? -1.0F : 1.0F) * view.source(axis)[row]);
+      target.push_back(view.target(axis)[row]);
+    }
+  }
+  const Correspondences mirrored(PointSpan<float>::interleaved(source.data(), set.size()),
+                                 PointSpan<float>::interleaved(target.data(), set.size()));
+  const double bound = noise_bound * view.scale();  // the caller's unit is the working frame's here
+  WorkingPose pose = to_working_pose(RigidTransform::Identity());
+  for (const double cutoff : {kEverything, 4.0 * bound, 2.0 * bound, bound}) {
+    const RigidFit fit = rigid_fit(robust_moments(mirrored.view(), pose, {.scale = cutoff, .cutoff = cutoff}));
+    if (!fit.determined()) return false;
+    pose = to_working_pose(fit.pose);
+  }
+  return static_cast<double>(pose_inliers(mirrored.view(), pose, bound).size()) >
+         kClearlyMore * static_cast<double>(supporters);
+}
+
+}  // namespace consimd::detail
