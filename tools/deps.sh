@@ -1,0 +1,7 @@
+#!/usr/bin/env bash
+#: deps [GROUP...]     install what is missing: build, figures, lint, neon, python (default: all)
+set -euo pipefail
+
+. "$(dirname "${BASH_SOURCE[0]}")/shell/packages.sh"
+
+need "${@:-${!packages_of[@]}}"

@@ -1,0 +1,76 @@
+#!/usr/bin/env bash
+#: lint [FILE...]      formatting, project rules and clang-tidy, the latter on all or the given sources
+set -euo pipefail
+
+. "$(dirname "${BASH_SOURCE[0]}")/shell/building.sh"
+. "$(dirname "${BASH_SOURCE[0]}")/shell/cxx_sources.sh"
+
+# Fails when a line of the given files, comments aside, matches: reject REASON PATTERN FILE...
+reject() {
+  local reason=$1 pattern=$2 hits
+  shift 2
+  hits=$(grep -nHE "$pattern" "$@" | grep -vE '^[^:]+:[0-9]+:\s*(//|#)' || true)
+  [[ -z $hits ]] || fail "$reason:"$'\n'"$hits"
+}
+
+# What the compiler cannot check: flags and operations that would cost equal bits, and the direction of includes.
+check_rules() {
+  local cxx build_files layer above
+  mapfile -t cxx < <(cxx_sources)
+  # The baselines in bench/micro, which kernels are measured against, are given every advantage of the machine.
+  mapfile -t build_files < <(find "$root" \( -path "$root/build" -o -path "$root/bench/micro" \) -prune -o \
+    \( -name CMakeLists.txt -o -name '*.cmake' -o -name CMakePresets.json \) -print)
+  reject "flags that make results depend on the machine" 'march=native|ffast-math' "${build_files[@]}" "${cxx[@]}"
+  reject "xsimd operations that differ between instruction sets" 'xsimd::(fma|fms|fnma|rsqrt|reciprocal)\b' "${cxx[@]}"
+  while read -r layer above; do
+    mapfile -t cxx < <(cxx_sources | grep "^$root/$layer/")
+    reject "$layer/ includes a layer that is not below it" "#include [<\"](consimd/)?($above)/" "${cxx[@]}"
+  done <<'LAYERS'
+kernels poses|solvers|synth|study|cli
+poses solvers|synth|study|cli
+solvers synth|study|cli
+synth solvers|study|cli
+bench cli
+examples study|cli
+LAYERS
+}
+
+check_scripts() {
+  shellcheck "$root"/{dev,.ci/run} "$root"/{tools,tests}/*.sh "$root"/{tools,tests}/*/*.sh
+  find "$root"/{bench,cli,packaging,python,tests,tools} -name '*.py' -print0 |
+    xargs -0 python3 -c 'import ast, sys; [ast.parse(open(f).read(), f) for f in sys.argv[1:]]'
+}
+
+# What clang-tidy reads: the release build as it is configured, with the Python module where ./dev python has left nanobind.
+tidy_database() {
+  local python=$root/build/python-venv/bin/python module=()
+  if "$python" -c 'import nanobind' 2>/dev/null; then
+    module=(-DCONSIMD_BUILD_PYTHON=ON -DPython_EXECUTABLE="$python")
+  else
+    say "python/src is left out until ./dev python has run"
+  fi
+  (cd "$root" && cmake --preset release -B build/tidy "${module[@]}" >/dev/null) || fail "cannot configure build/tidy"
+  sed -i 's/ -fno-gnu-unique//' "$root/build/tidy/compile_commands.json"  # which clang does not know
+}
+
+# clang_tidy [FILE...]: on every source of the project, generated ones aside, unless files are given.
+clang_tidy() {
+  local files=("$@")
+  ((${#files[@]})) || mapfile -t files < <(sed -nE 's/^ *"file": "(.*)",?$/\1/p' "$root/build/tidy/compile_commands.json" |
+    grep -v "^$root/build/" | sort -u)
+  # Clean files print nothing: clang-tidy reports the number of suppressed warnings even when told to be quiet.
+  # shellcheck disable=SC2016  # expanded by the inner shell
+  printf '%s\0' "${files[@]}" | xargs -0 -n 1 -P "$(nproc)" bash -c \
+    'report=$(clang-tidy --quiet -p "$0" "$1" 2>&1) || { printf "%s\n" "$report"; exit 1; }' "$root/build/tidy"
+}
+
+need build lint
+say "checking the format"
+"$root/tools/format.sh" --check
+say "checking the project's rules"
+check_rules
+check_scripts
+say "running clang-tidy"
+tidy_database
+clang_tidy "$@" || fail "clang-tidy has findings"
+say "lint: nothing found"

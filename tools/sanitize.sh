@@ -1,0 +1,20 @@
+#!/usr/bin/env bash
+#: sanitize [PRESET [FOLDER]]
+#:                     run all tests, or those of kernels, poses, synth, solvers or bench alone, with the sanitizers: asan
+#:                     (default, with UBSan) or tsan
+set -euo pipefail
+
+. "$(dirname "${BASH_SOURCE[0]}")/shell/building.sh"
+
+preset=${1:-asan}
+folder=${2:-}
+[[ $preset == asan || $preset == tsan ]] || fail "sanitize: '$preset' is neither asan nor tsan"
+need build figures
+if [[ -z $folder ]]; then
+  build "$preset"
+  run_tests "$preset"
+else
+  build "$preset" "consimd_${folder}_tests"
+  TSAN_OPTIONS="suppressions=$root/cmake/tsan.supp" \
+    ctest --test-dir "$root/build/$preset/tests/$folder" --output-on-failure --no-tests=error --parallel "$(nproc)"
+fi

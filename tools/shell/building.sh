@@ -1,0 +1,40 @@
+# Sourced by the scripts in tools/ that configure, build or test.
+# shellcheck shell=bash
+
+. "$(dirname "${BASH_SOURCE[0]}")/packages.sh"
+
+use_ccache() {
+  if command -v ccache >/dev/null; then export CMAKE_CXX_COMPILER_LAUNCHER=ccache; fi
+}
+
+# configure PRESET
+configure() {
+  local preset=$1
+  need build
+  use_ccache
+  (cd "$root" && cmake --preset "$preset" -DCONSIMD_WERROR="${CONSIMD_WERROR:-OFF}" >/dev/null) ||
+    fail "cannot configure preset '$preset'"
+}
+
+# build PRESET [TARGET...]
+build() {
+  configure "$1"
+  cmake --build "$root/build/$1" ${2+--target "${@:2}"}
+}
+
+# Tests on recorded correspondences run where such data are at hand and skip elsewhere.
+find_test_data() {
+  local data=${CONSIMD_TEST_DATA:-$root/../shared/data}
+  if [[ -d $data/correspondences ]]; then
+    CONSIMD_TEST_DATA=$(cd "$data" && pwd)
+    export CONSIMD_TEST_DATA
+  fi
+}
+
+# run_tests PRESET [CTEST_ARGUMENT...]
+run_tests() {
+  local preset=$1
+  shift
+  find_test_data
+  (cd "$root" && ctest --preset "$preset" --parallel "$(nproc)" "$@")
+}

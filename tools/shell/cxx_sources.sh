@@ -1,0 +1,7 @@
+# Sourced by the scripts in tools/ that read the C++ sources.
+# shellcheck shell=bash
+
+. "$(dirname "${BASH_SOURCE[0]}")/packages.sh"
+
+# Prints the path of every C++ source.
+cxx_sources() { find "$root"/{kernels,poses,solvers,synth,bench,cli,python,examples,tests} -name '*.cpp' -o -name '*.hpp'; }
