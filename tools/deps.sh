@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-#: deps [GROUP...]     install what is missing: build, figures, lint, neon, python (default: all)
+#: deps [GROUP...]     install what is missing: build, docs, figures, lint, neon, python (default: all)
 set -euo pipefail
 
 . "$(dirname "${BASH_SOURCE[0]}")/shell/packages.sh"

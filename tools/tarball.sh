@@ -5,7 +5,7 @@ set -euo pipefail
 
 . "$(dirname "${BASH_SOURCE[0]}")/shell/building.sh"
 
-version=$(sed -nE 's/^project\(consimd VERSION ([0-9.]+).*/\1/p' "$root/CMakeLists.txt")
+version=$(project_version)
 file=$root/build/consimd-$version.tar.gz
 need build
 [[ -z $(git -C "$root" status --porcelain) ]] || say "uncommitted changes are not in the tarball"
