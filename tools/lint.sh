@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-#: lint [FILE...]      formatting, project rules and clang-tidy, the latter on all or the given sources
+#: lint [FILE...]      formatting, project rules, scripts, prose and clang-tidy, the latter on all or the given sources
 set -euo pipefail
 
 . "$(dirname "${BASH_SOURCE[0]}")/shell/building.sh"
@@ -41,6 +41,10 @@ check_scripts() {
     xargs -0 python3 -c 'import ast, sys; [ast.parse(open(f).read(), f) for f in sys.argv[1:]]'
 }
 
+check_prose() {
+  find "$root" \( -path "$root/build" -o -name '.*' \) -prune -o -name '*.md' -print0 | xargs -0 python3 "$root/tools/check_prose.py"
+}
+
 # What clang-tidy reads: the release build as it is configured, with the Python module where ./dev python has left nanobind.
 tidy_database() {
   local python=$root/build/python-venv/bin/python module=()
@@ -70,6 +74,7 @@ say "checking the format"
 say "checking the project's rules"
 check_rules
 check_scripts
+check_prose || fail "the pages have faults"
 say "running clang-tidy"
 tidy_database
 clang_tidy "$@" || fail "clang-tidy has findings"
