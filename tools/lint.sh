@@ -37,7 +37,7 @@ LAYERS
 
 check_scripts() {
   shellcheck "$root"/{dev,.ci/run} "$root"/{tools,tests}/*.sh "$root"/{tools,tests}/*/*.sh
-  find "$root"/{bench,cli,packaging,python,tests,tools} -name '*.py' -print0 |
+  find "$root"/{bench,cli,docs,packaging,python,tests,tools} -name '*.py' -print0 |
     xargs -0 python3 -c 'import ast, sys; [ast.parse(open(f).read(), f) for f in sys.argv[1:]]'
 }
 
