@@ -62,10 +62,10 @@ synth::Problem read_problem(const fs::path& folder, double noise_bound) {
   return problem;
 }
 
-compare::PoseLimits limits_of(const nlohmann::json& json, const fs::path& path, std::string_view dataset,
+studies::PoseLimits limits_of(const nlohmann::json& json, const fs::path& path, std::string_view dataset,
                               std::string_view preset) {
   try {
-    if (const auto limits = compare::preset_limits(preset, dataset)) return *limits;
+    if (const auto limits = studies::preset_limits(preset, dataset)) return *limits;
   } catch (const std::invalid_argument& error) {
     throw std::runtime_error(fmt::format("{}: {}", path.string(), error.what()));
   }
@@ -75,7 +75,7 @@ compare::PoseLimits limits_of(const nlohmann::json& json, const fs::path& path, 
 
 }  // namespace
 
-std::vector<compare::CaseGroup> case_folder_groups(const fs::path& folder, std::uint64_t seed,
+std::vector<studies::CaseGroup> case_folder_groups(const fs::path& folder, std::uint64_t seed,
                                                    std::string_view preset) {
   std::error_code error;
   std::vector<fs::path> folders;
@@ -88,7 +88,7 @@ std::vector<compare::CaseGroup> case_folder_groups(const fs::path& folder, std::
   }
   std::ranges::sort(folders);
 
-  std::map<std::string, compare::CaseGroup> groups;
+  std::map<std::string, studies::CaseGroup> groups;
   for (const fs::path& of : folders) {
     for (const char* name : {kPose, kCase}) {
       if (!fs::exists(of / name)) throw std::runtime_error(fmt::format("{}: is missing", (of / name).string()));
@@ -105,7 +105,7 @@ std::vector<compare::CaseGroup> case_folder_groups(const fs::path& folder, std::
                                    .limits = limits_of(json, path, dataset, preset),
                                    .load = [of, noise_bound] { return read_problem(of, noise_bound); }});
   }
-  std::vector<compare::CaseGroup> result;
+  std::vector<studies::CaseGroup> result;
   for (auto& [name, group] : groups) {
     group.name = name;
     group.provenance = fmt::format("files of the folder {}", (folder / "").parent_path().filename().string());

@@ -6,7 +6,7 @@
 #include <string_view>
 #include <vector>
 
-#include "compare/case_group.hpp"
+#include <consimd/studies/case_group.hpp>
 
 namespace consimd::cli {
 
@@ -17,7 +17,7 @@ namespace consimd::cli {
 ///   dataset, sequence                                  optional: cases of one data set and sequence are one group
 /// Rows within the noise bound of the true pose count as inliers. Groups and cases come in alphabetical order; cases
 /// are read when they are run. Throws std::runtime_error that names the file, on a folder without cases too.
-[[nodiscard]] std::vector<compare::CaseGroup> case_folder_groups(const std::filesystem::path& folder,
+[[nodiscard]] std::vector<studies::CaseGroup> case_folder_groups(const std::filesystem::path& folder,
                                                                  std::uint64_t seed, std::string_view preset);
 
 }  // namespace consimd::cli

@@ -9,17 +9,17 @@
 #include <consimd/solvers/solver.hpp>
 #include <consimd/synth/stand_ins.hpp>
 
+#include <consimd/studies/comparison_folder.hpp>
+#include <consimd/studies/figures.hpp>
+#include <consimd/studies/paper_tables.hpp>
+#include <consimd/studies/value_list.hpp>
 #include "case_folder.hpp"
 #include "commands.hpp"
-#include "compare/comparison_folder.hpp"
-#include "compare/paper_tables.hpp"
 #include "figure_report.hpp"
 #include "filter_option.hpp"
 #include "interruption.hpp"
 #include "option_checks.hpp"
 #include "progress.hpp"
-#include "study/figures.hpp"
-#include "study/value_list.hpp"
 #include "threads.hpp"
 
 namespace consimd::cli {
@@ -32,7 +32,7 @@ struct Options {
   std::size_t points = 3000;
   std::string outliers = "0.1,0.5,0.9,0.95,0.98,0.99";
   std::string sigma = "0.1,1,2.5,5";
-  compare::TableOptions tables{.tables = {"solvers"},
+  studies::TableOptions tables{.tables = {"solvers"},
                                .solvers = {},
                                .iterations = {1000, 3000, 10'000, 30'000, 100'000, 300'000, 1'000'000},
                                .scales = {0.2, 0.5, 1.0, 2.0, 5.0}};
@@ -47,7 +47,7 @@ struct Options {
 
 std::vector<double> values_of(std::string_view option, const std::string& text) {
   try {
-    return study::parse_value_list(text);
+    return studies::parse_value_list(text);
   } catch (const std::invalid_argument& error) {
     throw std::invalid_argument(fmt::format("{}: {}", option, error.what()));
   }
@@ -79,36 +79,36 @@ Synthetic synthetic_of(const std::vector<std::string>& words) {
   return result;
 }
 
-std::vector<compare::CaseGroup> groups_of(const Options& options) {
-  const compare::TableOptions& tables = options.tables;
-  std::vector<compare::CaseGroup> groups;
-  const std::vector<std::string> methods = compare::methods_of(tables);
+std::vector<studies::CaseGroup> groups_of(const Options& options) {
+  const studies::TableOptions& tables = options.tables;
+  std::vector<studies::CaseGroup> groups;
+  const std::vector<std::string> methods = studies::methods_of(tables);
   if (!methods.empty()) {
     if (!options.cases.empty()) groups = case_folder_groups(options.cases, options.seed, tables.preset);
     std::vector<std::string> words = options.synthetic;
     if (words.empty() && options.cases.empty()) words = {"stand-ins"};
     const Synthetic synthetic = synthetic_of(words);
-    std::ranges::move(compare::stand_in_groups(synthetic.stand_ins, options.trials, options.seed, tables.preset),
+    std::ranges::move(studies::stand_in_groups(synthetic.stand_ins, options.trials, options.seed, tables.preset),
                       std::back_inserter(groups));
     if (synthetic.noise) {
-      std::ranges::move(compare::noise_groups({.points = options.points,
+      std::ranges::move(studies::noise_groups({.points = options.points,
                                                .outlier_ratios = values_of("--outliers", options.outliers),
                                                .sigmas = values_of("--sigma", options.sigma),
                                                .trials = options.trials,
                                                .seed = options.seed}),
                         std::back_inserter(groups));
     }
-    for (compare::CaseGroup& group : groups) group.methods = methods;
+    for (studies::CaseGroup& group : groups) group.methods = methods;
   }
-  if (!compare::iteration_methods(tables).empty()) {
-    groups.push_back(compare::iteration_group(tables, options.iteration_problems, options.seed));
+  if (!studies::iteration_methods(tables).empty()) {
+    groups.push_back(studies::iteration_group(tables, options.iteration_problems, options.seed));
   }
-  std::ranges::move(compare::scale_groups(tables, options.trials, options.seed), std::back_inserter(groups));
+  std::ranges::move(studies::scale_groups(tables, options.trials, options.seed), std::back_inserter(groups));
   return groups;
 }
 
 /// All that decides what is run, as text.
-std::vector<compare::OptionText> option_texts(const Options& o) {
+std::vector<studies::OptionText> option_texts(const Options& o) {
   return {{"cases", o.cases},
           {"synthetic", fmt::format("{}", fmt::join(o.synthetic, ","))},
           {"trials", fmt::format("{}", o.trials)},
@@ -127,16 +127,16 @@ std::vector<compare::OptionText> option_texts(const Options& o) {
 }
 
 int run_compare(Options options) {
-  compare::TableOptions& tables = options.tables;
+  studies::TableOptions& tables = options.tables;
   tables.filtered = filter_by_name(options.filter) == Filter::tcf;
-  compare::validate(tables);
+  studies::validate(tables);
   if (tables.filtered && std::ranges::count(tables.tables, "solvers") == 0) {
     throw std::invalid_argument("--filter: it is for the table solvers; boost runs with and without");
   }
-  compare::Comparison comparison(groups_of(options), options.seeds);
-  const compare::ComparisonFacts facts{
+  studies::Comparison comparison(groups_of(options), options.seeds);
+  const studies::ComparisonFacts facts{
       .options = option_texts(options), .isa = to_string(active_isa()), .threads = options.threads};
-  compare::ComparisonFolder folder(options.out, comparison, facts, options.fresh);
+  studies::ComparisonFolder folder(options.out, comparison, facts, options.fresh);
 
   fmt::print("{} runs on {} groups of cases, {} on {} thread{}, {} done before, writing to {}\n", comparison.size(),
              comparison.groups().size(), facts.isa, facts.threads, facts.threads == 1 ? "" : "s", comparison.filled(),
@@ -145,25 +145,25 @@ int run_compare(Options options) {
   if (!comparison.complete()) {
     const InterruptionGuard guard;
     Progress progress(comparison.size(), comparison.filled(), "runs");
-    const compare::ComparisonControl control{.on_run =
-                                                 [&](const compare::RunRecord& record) {
+    const studies::ComparisonControl control{.on_run =
+                                                 [&](const studies::RunRecord& record) {
                                                    folder.append(record);
                                                    progress.step();
                                                  },
                                              .stop_requested = [] { return InterruptionGuard::requested(); }};
-    with_threads(options.threads, [&] { compare::run_comparison(comparison, control); });
+    with_threads(options.threads, [&] { studies::run_comparison(comparison, control); });
   }
-  const std::vector<compare::TextTable> results = compare::make_tables(tables, comparison);
+  const std::vector<studies::TextTable> results = studies::make_tables(tables, comparison);
   folder.write(comparison, results, facts);
   if (!comparison.complete()) {
     fmt::print(stderr, "consimd: stopped after {} of {} runs; the same command resumes\n", comparison.filled(),
                comparison.size());
     return kInterrupted;
   }
-  for (const compare::TextTable& table : results) fmt::print("\n{}", compare::to_markdown(table));
+  for (const studies::TextTable& table : results) fmt::print("\n{}", studies::to_markdown(table));
   fmt::print("\ndata: {0}/runs.csv, {0}/comparison.json, {0}/tables.md and a table_*.csv a table\n", options.out);
   if (std::ranges::count(tables.tables, "iterations") != 0) {
-    draw_and_name_figures(study::kIterationsScript, options.out, {"iterations"});
+    draw_and_name_figures(studies::kIterationsScript, options.out, {"iterations"});
   }
   return kSuccess;
 }
@@ -239,7 +239,7 @@ void add_compare_command(CLI::App& app, Action& run) {
       "  consimd compare --table boost,stages,poses --synthetic trees,kitti01\n"
       "  consimd compare --table iterations\n"
       "  consimd compare --table scales --solver pcr99,teaser",
-      listed(compare::paper_tables()), listed(compare::limit_presets())));
+      listed(studies::paper_tables()), listed(studies::limit_presets())));
   command->callback([&run, options] { run = [options] { return run_compare(*options); }; });
 }
 

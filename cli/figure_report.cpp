@@ -9,7 +9,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include "study/figures.hpp"
+#include <consimd/studies/figures.hpp>
 
 namespace consimd::cli {
 namespace {
@@ -25,7 +25,7 @@ void draw_and_name_figures(std::string_view script, std::string_view folder,
                            const std::vector<std::string_view>& names) {
   std::fflush(stdout);
   try {
-    study::draw_figures(script, folder, program());
+    studies::draw_figures(script, folder, program());
     std::vector<std::string> files;
     files.reserve(names.size());
     for (const std::string_view name : names) files.push_back(fmt::format("{}/{}.svg", folder, name));

@@ -6,8 +6,8 @@
 
 namespace consimd::cli {
 
-/// Draws the figures `names` of `folder` with `script` (see study::draw_figures) and says where they are. Figures that
-/// cannot be drawn are told on the standard error, no error: the data are there.
+/// Draws the figures `names` of `folder` with `script` (see studies::draw_figures) and says where they are. Figures
+/// that cannot be drawn are told on the standard error, no error: the data are there.
 void draw_and_name_figures(std::string_view script, std::string_view folder,
                            const std::vector<std::string_view>& names);
 

@@ -10,10 +10,10 @@
 #include <consimd/synth/noise_study.hpp>
 #include <consimd/synth/problem_files.hpp>
 
+#include <consimd/studies/replace_file.hpp>
+#include <consimd/studies/sweep_options.hpp>
 #include "commands.hpp"
 #include "option_checks.hpp"
-#include "study/replace_file.hpp"
-#include "study/sweep_options.hpp"
 
 namespace consimd::cli {
 namespace {
@@ -52,15 +52,15 @@ std::string case_json(const synth::Problem& problem) {
 }
 
 int run_generate(const Options& options) {
-  study::SweepOptions checked;
+  studies::SweepOptions checked;
   checked.points = options.points;
   checked.outlier_ratios = {options.outliers};
   checked.sigmas = {options.sigma};
-  study::validate(checked);
+  studies::validate(checked);
   if (!(options.scale > 0.0 && std::isfinite(options.scale))) {
     throw std::invalid_argument(fmt::format("--scale: expected a finite number > 0, got {}", options.scale));
   }
-  study::require_writable_folder(options.out);
+  studies::require_writable_folder(options.out);
 
   const synth::Problem problem = synth::noise_study_problem({.correspondences = options.points,
                                                              .outlier_ratio = options.outliers,
@@ -69,7 +69,7 @@ int run_generate(const Options& options) {
                                                              .trial = options.trial,
                                                              .scale = options.scale});
   synth::write_problem(problem, options.out);
-  study::replace_file(std::filesystem::path(options.out) / "case.json", case_json(problem));
+  studies::replace_file(std::filesystem::path(options.out) / "case.json", case_json(problem));
   fmt::print("{}: {} correspondences, noise bound {} m (3 sigma)\n", options.out, problem.size(),
              synth::noise_study_bound(options.sigma));
   return kSuccess;

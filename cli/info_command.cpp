@@ -7,16 +7,16 @@
 #include <consimd/kernels/isa.hpp>
 #include <consimd/solvers/solver.hpp>
 
+#include <consimd/studies/build_info.hpp>
 #include "commands.hpp"
-#include "study/build_info.hpp"
 #include "threads.hpp"
 
 namespace consimd::cli {
 namespace {
 
 int run_info(bool json) {
-  const study::BuildInfo& build = study::build_info();
-  const study::Machine machine = study::this_machine();
+  const studies::BuildInfo& build = studies::build_info();
+  const studies::Machine machine = studies::this_machine();
   std::vector<std::string_view> isas;
   for (const Isa isa : supported_isas()) isas.push_back(to_string(isa));
   std::vector<std::string_view> solver_names;

@@ -6,8 +6,8 @@
 
 #include <fmt/format.h>
 
+#include <consimd/studies/build_info.hpp>
 #include "commands.hpp"
-#include "study/build_info.hpp"
 
 namespace {
 
@@ -22,7 +22,7 @@ int fail(std::string message) {
 int main(int argc, char** argv) {
   using namespace consimd::cli;
   CLI::App app("Correspondence-based 3D registration on vectorised consensus kernels.", "consimd");
-  app.set_version_flag("--version", fmt::format("consimd {}", consimd::study::build_info().version));
+  app.set_version_flag("--version", fmt::format("consimd {}", consimd::studies::build_info().version));
   app.require_subcommand(1);
   app.footer(
       "Environment:\n"

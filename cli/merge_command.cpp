@@ -7,9 +7,9 @@
 
 #include <fmt/format.h>
 
+#include <consimd/studies/shard_merge.hpp>
+#include <consimd/studies/study_folder.hpp>
 #include "commands.hpp"
-#include "study/shard_merge.hpp"
-#include "study/study_folder.hpp"
 #include "study_report.hpp"
 
 namespace consimd::cli {
@@ -40,15 +40,15 @@ fs::path common_parent(const std::vector<fs::path>& shards) {
 
 int run_merge(const Options& options) {
   const std::vector<fs::path> shards =
-      study::shard_folders(std::vector<fs::path>(options.folders.begin(), options.folders.end()));
-  const study::MergedStudy merged = study::merge_shards(shards, options.map);
+      studies::shard_folders(std::vector<fs::path>(options.folders.begin(), options.folders.end()));
+  const studies::MergedStudy merged = studies::merge_shards(shards, options.map);
   const std::string out = (options.out.empty() ? common_parent(shards) : fs::path(options.out)).string();
   for (const fs::path& shard : shards) {
     if (fs::weakly_canonical(out) == fs::canonical(shard)) {
       throw std::runtime_error(fmt::format("--out: {} is one of the shards", out));
     }
   }
-  study::write_study(out, merged.table, merged.limits, merged.summary, options.fresh);
+  studies::write_study(out, merged.table, merged.limits, merged.summary, options.fresh);
 
   fmt::print("{} trials in {} cells, merged from {} shard{}, writing to {}\n", merged.table.size(),
              merged.table.options().cells(), shards.size(), shards.size() == 1 ? "" : "s", out);

@@ -10,14 +10,14 @@
 #include <consimd/solvers/solver.hpp>
 #include <consimd/synth/metrics.hpp>
 
+#include <consimd/studies/replace_file.hpp>
+#include <consimd/studies/sweep_options.hpp>
 #include "commands.hpp"
 #include "correspondence_file.hpp"
 #include "filter_option.hpp"
 #include "option_checks.hpp"
 #include "pose_file.hpp"
 #include "register_report.hpp"
-#include "study/replace_file.hpp"
-#include "study/sweep_options.hpp"
 #include "threads.hpp"
 
 namespace consimd::cli {
@@ -41,9 +41,9 @@ void check(const Options& options) {
     throw std::invalid_argument(
         fmt::format("--noise-bound: expected a finite length > 0, got {}", *options.noise_bound));
   }
-  study::require_known_solver(options.solver);
+  studies::require_known_solver(options.solver);
   static_cast<void>(filter_by_name(options.filter));
-  if (!options.json.empty() && options.json != "-") study::require_replaceable(options.json);
+  if (!options.json.empty() && options.json != "-") studies::require_replaceable(options.json);
 }
 
 int run_register(const Options& options) {
@@ -84,7 +84,7 @@ int run_register(const Options& options) {
   } else if (options.json == "-") {
     fmt::print("{}", to_json(report));
   } else {
-    study::replace_file(options.json, to_json(report));
+    studies::replace_file(options.json, to_json(report));
   }
   const bool all_found = std::all_of(report.runs.begin(), report.runs.end(), [](const Registration& run) {
     return run.has_pose() && run.status != Status::ambiguous;

@@ -9,7 +9,7 @@
 #include <Eigen/Cholesky>
 #include <nlohmann/json.hpp>
 
-#include "study/statistics.hpp"
+#include <consimd/studies/statistics.hpp>
 
 namespace consimd::cli {
 namespace {
@@ -117,7 +117,7 @@ template <typename Runs, typename Number>
 double median_of(const Runs& runs, Number number) {
   std::vector<double> values;
   std::transform(runs.begin(), runs.end(), std::back_inserter(values), number);
-  return study::median(std::move(values));
+  return studies::median(std::move(values));
 }
 
 std::string summary_text(const RegisterReport& report) {

@@ -4,20 +4,20 @@
 
 #include <fmt/format.h>
 
+#include <consimd/studies/cell_summary.hpp>
+#include <consimd/studies/figures.hpp>
 #include "figure_report.hpp"
-#include "study/cell_summary.hpp"
-#include "study/figures.hpp"
 #include "sweep_table.hpp"
 
 namespace consimd::cli {
 
-void print_trials(const study::TrialTable& table) {
-  fmt::print("\n{}\n", sweep_table(study::summarise_ratios(table)));
+void print_trials(const studies::TrialTable& table) {
+  fmt::print("\n{}\n", sweep_table(studies::summarise_ratios(table)));
   fmt::print("Errors are means over all trials, failures included; the oracle is least squares on the true inliers.\n");
   std::fflush(stdout);
 }
 
-void print_limits(const std::vector<study::LimitRecord>& limits, const study::SweepOptions& options) {
+void print_limits(const std::vector<studies::LimitRecord>& limits, const studies::SweepOptions& options) {
   fmt::print("\n{}\n", limit_table(limits, options.points));
 }
 
@@ -26,7 +26,7 @@ void print_files_and_draw(const std::string& folder, bool map) {
              map ? fmt::format(", {}/limits.csv", folder) : "");
   std::vector<std::string_view> figures{"recall", "errors"};
   if (map) figures.emplace_back("map");
-  draw_and_name_figures(study::kSweepScript, folder, figures);
+  draw_and_name_figures(studies::kSweepScript, folder, figures);
 }
 
 }  // namespace consimd::cli

@@ -4,16 +4,16 @@
 #include <string>
 #include <vector>
 
-#include "study/limits.hpp"
-#include "study/trial_table.hpp"
+#include <consimd/studies/limits.hpp>
+#include <consimd/studies/trial_table.hpp>
 
 namespace consimd::cli {
 
 /// Prints the table of a whole study that is complete.
-void print_trials(const study::TrialTable& table);
+void print_trials(const studies::TrialTable& table);
 
 /// Prints where the limits lie.
-void print_limits(const std::vector<study::LimitRecord>& limits, const study::SweepOptions& options);
+void print_limits(const std::vector<studies::LimitRecord>& limits, const studies::SweepOptions& options);
 
 /// Names the files of the study in `folder` and draws its figures. A figure that cannot be drawn is told, no error.
 /// `map`: with limits.

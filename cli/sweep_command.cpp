@@ -9,16 +9,16 @@
 
 #include <consimd/kernels/isa.hpp>
 
+#include <consimd/studies/limits.hpp>
+#include <consimd/studies/shard.hpp>
+#include <consimd/studies/study_folder.hpp>
+#include <consimd/studies/sweep.hpp>
+#include <consimd/studies/value_list.hpp>
 #include "commands.hpp"
 #include "filter_option.hpp"
 #include "interruption.hpp"
 #include "option_checks.hpp"
 #include "progress.hpp"
-#include "study/limits.hpp"
-#include "study/shard.hpp"
-#include "study/study_folder.hpp"
-#include "study/sweep.hpp"
-#include "study/value_list.hpp"
 #include "study_report.hpp"
 #include "threads.hpp"
 
@@ -26,9 +26,9 @@ namespace consimd::cli {
 namespace {
 
 struct Options {
-  study::SweepOptions study;
-  std::string outliers{study::kPaperOutlierRatios};
-  std::string sigma{study::kPaperSigmas};
+  studies::SweepOptions study;
+  std::string outliers{studies::kPaperOutlierRatios};
+  std::string sigma{studies::kPaperSigmas};
   std::string filter = "none";
   int threads = 1;
   std::string out = "consimd-sweep";
@@ -39,34 +39,34 @@ struct Options {
 
 std::vector<double> values_of(std::string_view option, const std::string& text) {
   try {
-    return study::parse_value_list(text);
+    return studies::parse_value_list(text);
   } catch (const std::invalid_argument& error) {
     throw std::invalid_argument(fmt::format("{}: {}", option, error.what()));
   }
 }
 
-std::optional<study::Shard> shard_of(const std::optional<std::string>& text) {
+std::optional<studies::Shard> shard_of(const std::optional<std::string>& text) {
   if (!text) return std::nullopt;
   try {
-    if (text->find('/') != std::string::npos) return study::parse_shard(*text);
-    return study::shard_from_environment(*text, [](const char* name) { return std::getenv(name); });
+    if (text->find('/') != std::string::npos) return studies::parse_shard(*text);
+    return studies::shard_from_environment(*text, [](const char* name) { return std::getenv(name); });
   } catch (const std::invalid_argument& error) {
     throw std::invalid_argument(fmt::format("--shard: {}", error.what()));
   }
 }
 
 /// Measures those of the noise levels that the folder lacks; each is written as it ends. Whether none is left.
-bool measure_limits(const study::SweepOptions& options, const std::vector<double>& levels, std::string_view steps,
-                    study::StudyFolder& folder) {
+bool measure_limits(const studies::SweepOptions& options, const std::vector<double>& levels, std::string_view steps,
+                    studies::StudyFolder& folder) {
   const std::size_t done = folder.limits().size();
   if (done == levels.size()) return true;
   const InterruptionGuard guard;
-  Progress progress(levels.size() * study::kLimitProblems, done * study::kLimitProblems, steps);
-  const study::LimitControl control{.on_problem = [&] { progress.step(); },
-                                    .stop_requested = [] { return InterruptionGuard::requested(); }};
+  Progress progress(levels.size() * studies::kLimitProblems, done * studies::kLimitProblems, steps);
+  const studies::LimitControl control{.on_problem = [&] { progress.step(); },
+                                      .stop_requested = [] { return InterruptionGuard::requested(); }};
   for (const double sigma : levels) {
-    if (std::ranges::count(folder.limits(), sigma, &study::LimitRecord::sigma) != 0) continue;
-    const std::optional<study::LimitRecord> limit = study::measure_limit(options, sigma, control);
+    if (std::ranges::count(folder.limits(), sigma, &studies::LimitRecord::sigma) != 0) continue;
+    const std::optional<studies::LimitRecord> limit = studies::measure_limit(options, sigma, control);
     if (!limit) return false;
     folder.append(*limit);
   }
@@ -74,15 +74,15 @@ bool measure_limits(const study::SweepOptions& options, const std::vector<double
 }
 
 int run_sweep_command(Options options) {
-  const std::optional<study::Shard> shard = shard_of(options.shard);
+  const std::optional<studies::Shard> shard = shard_of(options.shard);
   const std::string part = shard ? fmt::format(" of shard {}", to_string(*shard)) : "";
   const std::string out = shard ? (std::filesystem::path(options.out) / folder_name(*shard)).string() : options.out;
   options.study.outlier_ratios = values_of("--outliers", options.outliers);
   options.study.sigmas = values_of("--sigma", options.sigma);
   options.study.filter = filter_by_name(options.filter);
-  study::TrialTable table(std::move(options.study), shard);
-  const study::RunFacts facts{.isa = to_string(active_isa()), .threads = options.threads};
-  study::StudyFolder folder(out, table, facts, options.fresh);
+  studies::TrialTable table(std::move(options.study), shard);
+  const studies::RunFacts facts{.isa = to_string(active_isa()), .threads = options.threads};
+  studies::StudyFolder folder(out, table, facts, options.fresh);
 
   fmt::print("{} trials{} in {} cells, noise bound 3 sigma, {} on {} thread{}, {} done before, writing to {}\n",
              table.size(), part, table.options().cells(), facts.isa, facts.threads, facts.threads == 1 ? "" : "s",
@@ -92,13 +92,13 @@ int run_sweep_command(Options options) {
     const InterruptionGuard guard;
     const std::string steps = "trials" + part;
     Progress progress(table.size(), table.filled(), steps);
-    const study::SweepControl control{.on_trial =
-                                          [&](const study::TrialRecord& record) {
-                                            folder.append(record);
-                                            progress.step();
-                                          },
-                                      .stop_requested = [] { return InterruptionGuard::requested(); }};
-    with_threads(options.threads, [&] { study::run_sweep(table, control); });
+    const studies::SweepControl control{.on_trial =
+                                            [&](const studies::TrialRecord& record) {
+                                              folder.append(record);
+                                              progress.step();
+                                            },
+                                        .stop_requested = [] { return InterruptionGuard::requested(); }};
+    with_threads(options.threads, [&] { studies::run_sweep(table, control); });
   }
   if (!table.complete()) {
     fmt::print(stderr, "consimd: stopped after {} of {} trials{}; the same command resumes\n", table.filled(),
@@ -131,7 +131,7 @@ void add_sweep_command(CLI::App& app, Action& run) {
   CLI::App* command =
       app.add_subcommand("sweep", "Run the noise study: recall and errors over noise and outlier ratio");
   auto options = std::make_shared<Options>();
-  study::SweepOptions& study = options->study;
+  studies::SweepOptions& study = options->study;
   command->add_option("--points", study.points, "Correspondences of a problem")
       ->check(whole_number())
       ->capture_default_str();

@@ -4,15 +4,15 @@
 #include <string>
 #include <vector>
 
-#include "study/cell_summary.hpp"
-#include "study/limits.hpp"
+#include <consimd/studies/cell_summary.hpp>
+#include <consimd/studies/limits.hpp>
 
 namespace consimd::cli {
 
 /// A line per outlier ratio and solver, units in the head.
-[[nodiscard]] std::string sweep_table(const std::vector<study::RatioSummary>& rows);
+[[nodiscard]] std::string sweep_table(const std::vector<studies::RatioSummary>& rows);
 
 /// A line per noise level, in ascending order. `points`: correspondences of a problem.
-[[nodiscard]] std::string limit_table(std::vector<study::LimitRecord> limits, std::size_t points);
+[[nodiscard]] std::string limit_table(std::vector<studies::LimitRecord> limits, std::size_t points);
 
 }  // namespace consimd::cli

@@ -20,12 +20,14 @@ function(consimd_install library description)
   install(FILES ${PROJECT_BINARY_DIR}/consimd-${library}.pc DESTINATION ${pkgconfig_dir})
 endfunction()
 
-# A static consimd::solvers leaves linking oneTBB to its user.
+# Static libraries leave linking oneTBB and fmt to their user.
 set(solvers_requirements consimd-poses)
-set(CONSIMD_USER_LINKS_TBB OFF)
+set(studies_requirements consimd-solvers consimd-synth)
+set(CONSIMD_STATIC OFF)
 if(NOT BUILD_SHARED_LIBS)
-  set(CONSIMD_USER_LINKS_TBB ON)
+  set(CONSIMD_STATIC ON)
   list(APPEND solvers_requirements tbb)
+  list(APPEND studies_requirements fmt)
 endif()
 
 set(CONSIMD_COMPONENTS kernels)
@@ -36,14 +38,17 @@ if(NOT CONSIMD_KERNELS_ONLY)
   consimd_install(solvers "Solvers for 3D registration from feature correspondences" ${solvers_requirements})
   consimd_install(synth "Synthetic registration problems with ground truth" consimd-poses)
 endif()
+if(TARGET consimd_studies)
+  list(APPEND CONSIMD_COMPONENTS studies)
+  consimd_install(studies "Noise studies and comparisons of solvers for 3D registration" ${studies_requirements})
+endif()
 
 if(TARGET consimd_cli)
   file(RELATIVE_PATH bin_to_lib ${CMAKE_INSTALL_FULL_BINDIR} ${CMAKE_INSTALL_FULL_LIBDIR})
   set_target_properties(consimd_cli PROPERTIES INSTALL_RPATH "$ORIGIN/${bin_to_lib}")
   install(TARGETS consimd_cli)
-  install(DIRECTORY ${PROJECT_SOURCE_DIR}/bench/study/ DESTINATION ${CMAKE_INSTALL_DATADIR}/consimd
+  install(DIRECTORY ${PROJECT_SOURCE_DIR}/studies/src/figures/ DESTINATION ${CMAKE_INSTALL_DATADIR}/consimd
     FILES_MATCHING PATTERN "*.py")
-  install(FILES ${PROJECT_SOURCE_DIR}/bench/compare/plot_iterations.py DESTINATION ${CMAKE_INSTALL_DATADIR}/consimd)
 endif()
 
 configure_package_config_file(

@@ -9,5 +9,5 @@ set -euo pipefail
 program=$root/build/release/bin/consimd
 build release consimd_cli
 [[ ${1:-} == --page ]] || exec "$program" compare "$@"
-PATH=$(dirname "$program"):$PATH exec python3 -B "$root/bench/compare/comparison_page.py" \
+PATH=$(dirname "$program"):$PATH exec python3 -B "$root/studies/src/compare/comparison_page.py" \
   "$root/docs/comparison.md" "${2:-}"

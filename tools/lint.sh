@@ -26,18 +26,19 @@ check_rules() {
     mapfile -t cxx < <(cxx_sources | grep "^$root/$layer/")
     reject "$layer/ includes a layer that is not below it" "#include [<\"](consimd/)?($above)/" "${cxx[@]}"
   done <<'LAYERS'
-kernels poses|solvers|synth|study|cli
-poses solvers|synth|study|cli
-solvers synth|study|cli
-synth solvers|study|cli
+kernels poses|solvers|synth|studies|cli
+poses solvers|synth|studies|cli
+solvers synth|studies|cli
+synth solvers|studies|cli
+studies bench|cli
 bench cli
-examples study|cli
+examples cli
 LAYERS
 }
 
 check_scripts() {
   shellcheck "$root"/{dev,.ci/run} "$root"/{tools,tests}/*.sh "$root"/{tools,tests}/*/*.sh
-  find "$root"/{bench,cli,docs,packaging,python,tests,tools} -name '*.py' -print0 |
+  find "$root"/{bench,cli,docs,studies,packaging,python,tests,tools} -name '*.py' -print0 |
     xargs -0 python3 -c 'import ast, sys; [ast.parse(open(f).read(), f) for f in sys.argv[1:]]'
 }
 

@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 #: sanitize [PRESET [FOLDER]]
-#:                     run all tests, or those of kernels, poses, synth, solvers or bench alone, with the sanitizers: asan
+#:                     run all tests, or those of kernels, poses, synth, solvers or studies alone, with the sanitizers: asan
 #:                     (default, with UBSan) or tsan
 set -euo pipefail
 

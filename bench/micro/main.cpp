@@ -8,11 +8,11 @@
 
 #include <consimd/kernels/isa.hpp>
 
+#include <consimd/studies/build_info.hpp>
 #include "clock_benchmark.hpp"
 #include "graph_benchmarks.hpp"
 #include "kernel_benchmarks.hpp"
 #include "registration_benchmarks.hpp"
-#include "study/build_info.hpp"
 
 namespace {
 
@@ -22,8 +22,8 @@ void describe_build() {
   const auto context = [](const char* key, std::string_view value) {
     benchmark::AddCustomContext(key, std::string(value));
   };
-  const consimd::study::BuildInfo& build = consimd::study::build_info();
-  const consimd::study::Machine machine = consimd::study::this_machine();
+  const consimd::studies::BuildInfo& build = consimd::studies::build_info();
+  const consimd::studies::Machine machine = consimd::studies::this_machine();
   context("consimd_version", build.version);
   context("consimd_commit", build.commit);
   context("consimd_build_type", build.build_type);

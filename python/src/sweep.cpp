@@ -1,5 +1,5 @@
 // The noise study.
-#include "study/sweep.hpp"
+#include <consimd/studies/sweep.hpp>
 
 #include <atomic>
 #include <filesystem>
@@ -21,18 +21,18 @@
 
 #include <consimd/kernels/isa.hpp>
 
+#include <consimd/studies/cell_summary.hpp>
+#include <consimd/studies/study_folder.hpp>
 #include "array_results.hpp"
 #include "bindings.hpp"
 #include "interruptible_call.hpp"
-#include "study/cell_summary.hpp"
-#include "study/study_folder.hpp"
 #include "threads.hpp"
 
 namespace consimd::python {
 namespace {
 
-using study::CellSummary;
-using study::TrialRecord;
+using studies::CellSummary;
+using studies::TrialRecord;
 
 /// A column of a table: get(row) of every row, as an array, or as a list of str.
 template <typename Rows, typename Get>
@@ -93,7 +93,7 @@ nb::tuple run(std::size_t points, std::optional<std::vector<double>> outliers, s
               std::uint32_t trials, std::vector<std::string> solvers, std::string_view filter, std::uint64_t seed,
               std::optional<int> threads, const std::optional<std::filesystem::path>& folder_path, bool fresh,
               const nb::object& progress) {
-  study::SweepOptions options;
+  studies::SweepOptions options;
   options.points = points;
   if (outliers) options.outlier_ratios = std::move(*outliers);
   if (sigma) options.sigmas = std::move(*sigma);
@@ -102,29 +102,29 @@ nb::tuple run(std::size_t points, std::optional<std::vector<double>> outliers, s
   options.filter = filter_by_name(filter);
   options.seed = seed;
   const std::optional<int> limit = checked_threads(threads);
-  study::TrialTable table(std::move(options));
-  const study::RunFacts facts{.isa = to_string(active_isa()),
-                              .threads = limit.value_or(tbb::info::default_concurrency())};
-  std::optional<study::StudyFolder> folder;
+  studies::TrialTable table(std::move(options));
+  const studies::RunFacts facts{.isa = to_string(active_isa()),
+                                .threads = limit.value_or(tbb::info::default_concurrency())};
+  std::optional<studies::StudyFolder> folder;
   if (folder_path) folder.emplace(*folder_path, table, facts, fresh);
 
   std::atomic<bool> stop = false;
   std::atomic<std::size_t> done = table.filled();
-  const study::SweepControl control{.on_trial =
-                                        [&](const TrialRecord& record) {
-                                          if (folder) folder->append(record);
-                                          ++done;
-                                        },
-                                    .stop_requested = [&] { return stop.load(); }};
+  const studies::SweepControl control{.on_trial =
+                                          [&](const TrialRecord& record) {
+                                            if (folder) folder->append(record);
+                                            ++done;
+                                          },
+                                      .stop_requested = [&] { return stop.load(); }};
   const auto tell = [&] {
     if (!progress.is_none()) progress(done.load(), table.size());
   };
   // Waited for in every case, so it may use what is on this stack.
-  call_interruptibly([&] { with_threads(limit, [&] { study::run_sweep(table, control); }); },
+  call_interruptibly([&] { with_threads(limit, [&] { studies::run_sweep(table, control); }); },
                      {.request_stop = [&] { stop = true; }, .look_in = tell});
   tell();
   if (folder) folder->finish(table, facts);
-  return nb::make_tuple(to_columns(table.records()), to_columns(study::summarise_cells(table)));
+  return nb::make_tuple(to_columns(table.records()), to_columns(studies::summarise_cells(table)));
 }
 
 }  // namespace

@@ -11,8 +11,8 @@
 namespace consimd::cli {
 namespace {
 
-using study::TemporaryFolder;
-using study::write_text;
+using studies::TemporaryFolder;
+using studies::write_text;
 using testing::ElementsAre;
 using testing::EndsWith;
 using testing::ThrowsMessage;

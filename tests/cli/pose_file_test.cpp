@@ -13,10 +13,10 @@ namespace {
 class PoseFileTest : public testing::Test {
  protected:
   RigidTransform read(const std::string& text) {
-    study::write_text(folder_ / "pose.txt", text);
+    studies::write_text(folder_ / "pose.txt", text);
     return read_pose(folder_ / "pose.txt");
   }
-  study::TemporaryFolder folder_;
+  studies::TemporaryFolder folder_;
 };
 
 constexpr const char* kQuarterTurn = "0 -1 0 5\n1 0 0 6\n0 0 1 7\n";
@@ -53,13 +53,13 @@ TEST_F(PoseFileTest, RefusesWhatIsNoRigidPose) {
 }
 
 TEST_F(PoseFileTest, ReadsAScale) {
-  study::write_text(folder_ / "pose.txt", "0 -0.5 0 5\n0.5 0 0 6\n0 0 0.5 7\n");
+  studies::write_text(folder_ / "pose.txt", "0 -0.5 0 5\n0.5 0 0 6\n0 0 0.5 7\n");
   const ScaledPose pose = read_scaled_pose(folder_ / "pose.txt");
   EXPECT_DOUBLE_EQ(pose.scale, 0.5);
   EXPECT_TRUE((pose.T_target_source * Eigen::Vector3d(1, 0, 0)).isApprox(Eigen::Vector3d(5, 7, 7)));
   for (const char* text :
        {"0 0 0 0\n0 0 0 0\n0 0 0 0\n", "1 0 0 0\n0 2 0 0\n0 0 1 0\n", "-1 0 0 0\n0 1 0 0\n0 0 1 0\n"}) {
-    study::write_text(folder_ / "pose.txt", text);
+    studies::write_text(folder_ / "pose.txt", text);
     EXPECT_THROW(static_cast<void>(read_scaled_pose(folder_ / "pose.txt")), std::runtime_error) << text;
   }
 }

@@ -1,0 +1,60 @@
+// The data of a comparison.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include <consimd/synth/problem.hpp>
+
+#include <consimd/studies/success_limits.hpp>
+
+#pragma GCC visibility push(default)
+
+namespace consimd::studies {
+
+/// A registration problem with its truth.
+struct Case {
+  std::string name;          ///< within its group
+  double noise_bound = 0.0;  ///< what a solver is given
+  std::uint64_t seed = 1;    ///< of the first run
+  /// Of a success. None: the root mean square residual of the true inliers must be below the noise bound, the noise
+  /// study's measure.
+  std::optional<PoseLimits> limits = {};
+  /// The problem; is_inlier says which rows an outlier removal should keep. May throw what the data's reader throws.
+  std::function<synth::Problem()> load = {};
+};
+
+/// Cases that stand in one block of a table.
+struct CaseGroup {
+  std::string name;
+  std::string provenance = {};  ///< what the data are: real files, or which kind of synthetic stand-in
+  std::vector<Case> cases = {};
+  std::vector<std::string> methods = {};  ///< what runs on them, see method.hpp
+};
+
+/// A group for every named sequence (see synth::stand_ins): `pairs` pairs of scans, success limits of `preset`, "case"
+/// meaning the paper's. Throws std::invalid_argument on an unknown name or preset.
+[[nodiscard]] std::vector<CaseGroup> stand_in_groups(const std::vector<std::string>& names, std::uint32_t pairs,
+                                                     std::uint64_t seed, std::string_view preset);
+
+struct NoiseCells {
+  std::size_t points = 3000;
+  std::vector<double> outlier_ratios;
+  std::vector<double> sigmas;
+  std::uint32_t trials = 20;
+  std::uint64_t seed = 1;
+  double scale = 1.0;  ///< of the source: its points are divided by it
+};
+
+/// A group for every outlier ratio with the trials of all noise levels: the same problems as those of the noise study.
+/// Throws std::invalid_argument on values that the noise study would refuse.
+[[nodiscard]] std::vector<CaseGroup> noise_groups(const NoiseCells& cells);
+
+}  // namespace consimd::studies
+
+#pragma GCC visibility pop

@@ -1,0 +1,52 @@
+// The files of a comparison, and how it is resumed.
+#pragma once
+
+#include <filesystem>
+#include <fstream>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include <consimd/studies/comparison.hpp>
+#include <consimd/studies/text_table.hpp>
+
+#pragma GCC visibility push(default)
+
+namespace consimd::studies {
+
+/// A value of an option as it is told: name and text.
+using OptionText = std::pair<std::string, std::string>;
+
+/// How a comparison was asked for and what it runs on.
+struct ComparisonFacts {
+  std::vector<OptionText> options;  ///< all that decide what is run; a folder is resumed only if they agree
+  std::string_view isa;
+  int threads = 1;
+};
+
+/// The output folder of a comparison: comparison.json (what was run, on what data, by what, on what), runs.csv (a row a
+/// run), tables.md and a CSV file a table. runs.csv grows by a whole line a run; a line that a crash cut short is
+/// dropped on resuming. Functions throw std::runtime_error that names the file.
+class ComparisonFolder {
+ public:
+  /// Opens or makes the folder, puts the runs of an earlier call into `comparison`, and gets ready to append. A folder
+  /// that holds another comparison is an error that names the difference, unless `fresh`: then its files are removed.
+  ComparisonFolder(std::filesystem::path folder, Comparison& comparison, const ComparisonFacts& facts, bool fresh);
+
+  void append(const RunRecord& record);
+
+  /// Writes the tables, the sorted runs and the summary of a comparison, finished or not.
+  void write(const Comparison& comparison, const std::vector<TextTable>& tables, const ComparisonFacts& facts);
+
+ private:
+  void remove_comparison();
+  void resume(Comparison& comparison, const ComparisonFacts& facts);
+  void open_runs();
+
+  std::filesystem::path folder_;
+  std::ofstream runs_;
+};
+
+}  // namespace consimd::studies
+
+#pragma GCC visibility pop

@@ -1,0 +1,23 @@
+// Drawing figures with Python scripts.
+#pragma once
+
+#include <filesystem>
+#include <string_view>
+
+#pragma GCC visibility push(default)
+
+namespace consimd::studies {
+
+/// Scripts.
+inline constexpr std::string_view kSweepScript = "plot_sweep.py";
+inline constexpr std::string_view kIterationsScript = "plot_iterations.py";
+
+/// Draws what `script` makes of the data in `folder`, as SVG and PNG. $CONSIMD_PLOT_SCRIPT is another script; else it
+/// is the one of the same name in `../share/consimd` seen from `program`'s folder, else that in the source tree. The
+/// interpreter is the first of $CONSIMD_PYTHON, python3 and /usr/bin/python3 that has matplotlib. Throws
+/// std::runtime_error that says in one line what is missing.
+void draw_figures(std::string_view script, const std::filesystem::path& folder, const std::filesystem::path& program);
+
+}  // namespace consimd::studies
+
+#pragma GCC visibility pop

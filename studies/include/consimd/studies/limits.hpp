@@ -1,0 +1,67 @@
+// The identifiability limit: where a wrong pose is supported by chance as well as the true one by its inliers.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include <consimd/studies/shard.hpp>
+#include <consimd/studies/sweep_options.hpp>
+
+#pragma GCC visibility push(default)
+
+namespace consimd::studies {
+
+/// Problems without a true pose per noise level.
+inline constexpr std::uint32_t kLimitProblems = 10;
+
+/// One row of limits.csv: what chance does at a noise level. A pose is supported by the correspondences within the
+/// noise bound, 3 sigma.
+struct LimitRecord {
+  double sigma = 0.0;                    ///< metres
+  std::uint32_t problems = 0;            ///< without a true pose
+  double chance_support_mean = 0.0;      ///< of the best pose that the search finds in such a problem
+  std::uint64_t chance_support_max = 0;  ///< largest of the problems
+  double fixed_support_mean = 0.0;       ///< of a pose drawn without regard to the correspondences
+  double limit_outlier_ratio = 0.0;      ///< see `limit_outlier_ratio`
+
+  bool operator==(const LimitRecord&) const = default;
+};
+
+inline constexpr std::string_view kLimitColumns =
+    "sigma,problems,chance_support_mean,chance_support_max,fixed_support_mean,limit_outlier_ratio";
+
+/// A line with its newline. Numbers read back to the same bits.
+[[nodiscard]] std::string to_csv_row(const LimitRecord& record);
+
+/// Inverse of `to_csv_row`, the newline left out. Throws std::invalid_argument that says what is wrong.
+[[nodiscard]] LimitRecord parse_limit_row(std::string_view line);
+
+/// The outlier ratio r, in [0, 1], at which the true pose's expected support equals `chance_support`:
+///   points ((1 - r) P(chi_3 < 3) + r f) = chance_support,  f = fixed_support / points,
+/// where P(chi_3 < 3) = 0.9707 is the share of true inliers within 3 sigma and f that of random correspondences within
+/// the bound of a given pose. A chance support below three counts as three: every pose has those that made it.
+[[nodiscard]] double limit_outlier_ratio(std::size_t points, double chance_support, double fixed_support);
+
+/// The noise levels that a shard measures, or all, in the order of the options.
+[[nodiscard]] std::vector<double> limit_levels(const SweepOptions& options, const std::optional<Shard>& shard);
+
+struct LimitControl {
+  /// Called as problems end, one call at a time, from any thread of the arena.
+  std::function<void()> on_problem = {};
+  /// Asked before every problem, from any thread; true ends the measurement.
+  std::function<bool()> stop_requested = {};
+};
+
+/// Runs the default solver on `kLimitProblems` problems of `options.points` correspondences that are all outliers, in
+/// parallel in the caller's arena. Problem k depends on (options.seed, sigma, k) alone. Nothing if it was stopped.
+[[nodiscard]] std::optional<LimitRecord> measure_limit(const SweepOptions& options, double sigma,
+                                                       const LimitControl& control = {});
+
+}  // namespace consimd::studies
+
+#pragma GCC visibility pop

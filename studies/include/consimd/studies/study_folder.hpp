@@ -1,0 +1,69 @@
+// The files of a study, and how it is resumed.
+#pragma once
+
+#include <filesystem>
+#include <fstream>
+#include <optional>
+#include <string_view>
+#include <vector>
+
+#include <consimd/studies/folder_lock.hpp>
+#include <consimd/studies/limits.hpp>
+#include <consimd/studies/study_summary.hpp>
+#include <consimd/studies/trial_table.hpp>
+
+#pragma GCC visibility push(default)
+
+namespace consimd::studies {
+
+// Files of a study's folder.
+inline constexpr std::string_view kTrialsFile = "trials.csv";
+inline constexpr std::string_view kCellsFile = "cells.csv";
+inline constexpr std::string_view kLimitsFile = "limits.csv";
+inline constexpr std::string_view kSummaryFile = "summary.json";
+
+/// The output folder of a study: trials.csv, cells.csv, summary.json, and limits.csv if asked for. That of a shard has
+/// no cells.csv: its cells lack trials.
+///
+/// While a study runs, trials.csv grows by a whole line a trial, in the order in which trials end; a line that a crash
+/// cut short is dropped on resuming. `finish` replaces it by the sorted table. Functions throw std::runtime_error that
+/// names the file.
+class StudyFolder {
+ public:
+  /// Opens or makes the folder, puts the trials of an earlier run into `table`, and gets ready to append. A folder that
+  /// holds another study or shard is an error that names the difference, unless `fresh`: then the old study's files are
+  /// removed. So is a folder that another process has open.
+  StudyFolder(std::filesystem::path folder, TrialTable& table, const RunFacts& facts, bool fresh);
+
+  void append(const TrialRecord& record);
+
+  /// Writes the sorted trials.csv, summary.json and, unless it is that of a shard, cells.csv of a complete table.
+  void finish(const TrialTable& table, RunFacts facts);
+
+  /// The rows of limits.csv, those of earlier runs first.
+  [[nodiscard]] const std::vector<LimitRecord>& limits() const noexcept { return limits_; }
+
+  /// Adds a row and writes the file.
+  void append(const LimitRecord& limit);
+
+ private:
+  void resume(TrialTable& table);
+  /// Reads trials.csv and cuts it after its last whole line.
+  void read_trials(TrialTable& table);
+  void read_limits(const TrialTable& table);
+
+  std::filesystem::path folder_;
+  std::optional<FolderLock> lock_;
+  std::ofstream trials_;
+  std::vector<LimitRecord> limits_;
+};
+
+/// Writes a finished study as if it had been run in `folder`, over what there is of the same study. `limits`: in the
+/// order of the noise levels, none if they were not asked for. A folder that holds another study is an error unless
+/// `fresh`, as above.
+void write_study(const std::filesystem::path& folder, const TrialTable& table, const std::vector<LimitRecord>& limits,
+                 std::string_view summary, bool fresh);
+
+}  // namespace consimd::studies
+
+#pragma GCC visibility pop

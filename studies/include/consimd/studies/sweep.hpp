@@ -1,0 +1,29 @@
+// The engine of the noise study.
+#pragma once
+
+#include <functional>
+
+#include <consimd/studies/trial_table.hpp>
+
+#pragma GCC visibility push(default)
+
+namespace consimd::studies {
+
+struct SweepControl {
+  /// Called as trials end, one call at a time, from any thread of the arena, before the record enters the table.
+  std::function<void(const TrialRecord&)> on_trial = {};
+  /// Asked before every problem, from any thread; true ends the sweep once the running problems are done.
+  std::function<bool()> stop_requested = {};
+};
+
+/// Runs the trials that `table` wants and lacks, in parallel over problems in the caller's arena, and fills the table.
+///
+/// The data of trial k depend on (seed, outlier ratio, sigma, k) alone, so every solver sees the same bytes; solvers
+/// run with seed + k and the bound 3 sigma. Results do not depend on the number of threads or on what `table` held
+/// before. Problems start in rounds of one trial of every cell: a study stopped early covers all cells evenly, and the
+/// time left can be told from the time passed.
+void run_sweep(TrialTable& table, const SweepControl& control = {});
+
+}  // namespace consimd::studies
+
+#pragma GCC visibility pop

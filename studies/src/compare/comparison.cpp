@@ -1,0 +1,131 @@
+#include <consimd/studies/comparison.hpp>
+
+#include <algorithm>
+#include <limits>
+#include <optional>
+#include <stdexcept>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include <consimd/synth/metrics.hpp>
+
+#include <consimd/studies/method.hpp>
+
+namespace consimd::studies {
+namespace {
+
+constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+
+void require_csv_name(std::string_view what, std::string_view name) {
+  if (!name.empty() && name.find_first_of(",\"\r\n") == std::string_view::npos) return;
+  throw std::invalid_argument(
+      fmt::format("{} '{}': expected a name without commas, quotes and line breaks", what, name));
+}
+
+bool succeeds(const Case& of, const synth::Problem& problem, const Outcome& outcome, const RunRecord& record) {
+  if (!outcome.has_pose) return false;
+  if (!of.limits) return synth::rmse_true_inliers(problem, outcome.T_target_source, outcome.scale) < of.noise_bound;
+  return record.rotation_error_deg <= of.limits->rotation_deg && record.translation_error <= of.limits->translation;
+}
+
+RunRecord run(const Case& on, const synth::Problem& problem, const Correspondences& correspondences,
+              const CaseGroup& group, const std::string& method, std::uint64_t seed) {
+  const Outcome outcome = run_method(method, correspondences, on.noise_bound, seed);
+  const RigidTransform& truth = problem.T_target_source;
+  RunRecord record{.group = group.name, .case_name = on.name, .method = method, .seed = seed, .status = outcome.status};
+  record.rotation_error_deg = outcome.has_pose ? synth::rotation_error_deg(outcome.T_target_source, truth) : kNaN;
+  record.translation_error = outcome.has_pose ? synth::translation_error(outcome.T_target_source, truth) : kNaN;
+  record.scale_error = outcome.has_pose ? synth::scale_error(outcome.scale, problem.scale) : kNaN;
+  record.success = succeeds(on, problem, outcome, record);
+  record.rows = problem.size();
+  record.inliers = static_cast<std::uint64_t>(std::ranges::count(problem.is_inlier, 1));
+  record.kept = outcome.kept.size();
+  for (const std::uint32_t row : outcome.kept) record.kept_inliers += problem.is_inlier[row];
+  record.seconds = outcome.seconds;
+  return record;
+}
+
+}  // namespace
+
+Comparison::Comparison(std::vector<CaseGroup> groups, std::uint32_t runs) : groups_(std::move(groups)), runs_(runs) {
+  for (const CaseGroup& group : groups_) {
+    require_csv_name("group", group.name);
+    for (const Case& of : group.cases) {
+      require_csv_name("case", of.name);
+      for (const std::string& method : group.methods) {
+        for (std::uint32_t run = 0; run < runs; ++run) {
+          const auto [slot, added] = slots_.emplace(Key(group.name, of.name, method, of.seed + run), slots_.size());
+          if (!added)
+            throw std::invalid_argument(fmt::format("{}: {} on {} is there twice", group.name, method, of.name));
+        }
+      }
+    }
+  }
+  records_.resize(slots_.size());
+  filled_.resize(slots_.size(), false);
+}
+
+bool Comparison::has(std::size_t group, std::size_t case_index, std::string_view method, std::uint64_t seed) const {
+  const CaseGroup& of = groups_[group];
+  const auto slot = slots_.find(Key(of.name, of.cases[case_index].name, method, seed));
+  return slot != slots_.end() && filled_[slot->second];
+}
+
+void Comparison::put(RunRecord record) {
+  const auto slot = slots_.find(Key(record.group, record.case_name, record.method, record.seed));
+  if (slot == slots_.end()) {
+    throw std::invalid_argument(fmt::format("{} on {} {} with seed {} is not of this comparison", record.method,
+                                            record.group, record.case_name, record.seed));
+  }
+  if (filled_[slot->second]) return;
+  records_[slot->second] = std::move(record);
+  filled_[slot->second] = true;
+  ++filled_count_;
+}
+
+std::vector<RunRecord> Comparison::done() const {
+  std::vector<RunRecord> records;
+  for (std::size_t slot = 0; slot < records_.size(); ++slot) {
+    if (filled_[slot]) records.push_back(records_[slot]);
+  }
+  return records;
+}
+
+std::vector<RunRecord> Comparison::of(std::string_view group, std::string_view method) const {
+  std::vector<RunRecord> records;
+  for (std::size_t slot = 0; slot < records_.size(); ++slot) {
+    const RunRecord& record = records_[slot];
+    if (filled_[slot] && record.group == group && record.method == method) records.push_back(record);
+  }
+  return records;
+}
+
+void run_comparison(Comparison& comparison, const ComparisonControl& control) {
+  std::size_t most_cases = 0;
+  for (const CaseGroup& group : comparison.groups()) most_cases = std::max(most_cases, group.cases.size());
+  for (std::size_t k = 0; k < most_cases; ++k) {
+    for (std::size_t g = 0; g < comparison.groups().size(); ++g) {
+      const CaseGroup& group = comparison.groups()[g];
+      if (k >= group.cases.size()) continue;
+      const Case& of = group.cases[k];
+      std::optional<synth::Problem> problem;
+      Correspondences correspondences;
+      for (std::uint32_t r = 0; r < comparison.runs(); ++r) {
+        for (const std::string& method : group.methods) {
+          if (comparison.has(g, k, method, of.seed + r)) continue;
+          if (control.stop_requested && control.stop_requested()) return;
+          if (!problem) {
+            problem = of.load();
+            correspondences = problem->correspondences();
+          }
+          RunRecord record = run(of, *problem, correspondences, group, method, of.seed + r);
+          if (control.on_run) control.on_run(record);
+          comparison.put(std::move(record));
+        }
+      }
+    }
+  }
+}
+
+}  // namespace consimd::studies

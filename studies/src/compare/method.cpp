@@ -1,0 +1,129 @@
+#include <consimd/studies/method.hpp>
+
+#include <charconv>
+#include <chrono>
+#include <numeric>
+#include <optional>
+#include <stdexcept>
+#include <system_error>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include <consimd/solvers/one_point_ransac.hpp>
+#include <consimd/solvers/ransac.hpp>
+#include <consimd/solvers/sa_cauchy_irls.hpp>
+#include <consimd/solvers/solver.hpp>
+#include <consimd/solvers/three_point_ransac.hpp>
+#include <consimd/solvers/two_point_ransac.hpp>
+
+namespace consimd::studies {
+namespace {
+
+constexpr std::string_view kFilterPrefix = "tcf+";
+constexpr std::string_view kScalePrefix = "scale+";
+constexpr std::string_view kPlainRansacPrefix = "plain-ransac-";
+// By the triangle inequality no sample of inliers has lengths that differ by more, in noise bounds.
+constexpr double kHarmlessLengthTolerance = 2.0;
+
+Outcome of(Registration result) {
+  return {.status = std::string(to_string(result.status)),
+          .has_pose = result.has_pose(),
+          .T_target_source = result.T_target_source,
+          .scale = result.scale,
+          .kept = std::move(result.inliers),
+          .seconds = result.seconds};
+}
+
+/// Names of stages from left to right; nothing if one is no stage.
+std::optional<std::vector<std::string_view>> stages_of(std::string_view name) {
+  std::vector<std::string_view> stages;
+  for (;;) {
+    const std::size_t end = name.find('+');
+    const std::string_view stage = name.substr(0, end);
+    if (stage != "1R" && stage != "2R" && stage != "3R" && stage != "IRLS") return std::nullopt;
+    stages.push_back(stage);
+    if (end == std::string_view::npos) return stages;
+    name.remove_prefix(end + 1);
+  }
+}
+
+Outcome run_stages(const std::vector<std::string_view>& stages, const Correspondences& correspondences,
+                   double noise_bound, std::uint64_t seed) {
+  const double lengths = 2.0 * noise_bound;
+  Outcome outcome{.status = "rows"};
+  const auto start = std::chrono::steady_clock::now();
+  outcome.kept.resize(correspondences.size());
+  std::iota(outcome.kept.begin(), outcome.kept.end(), 0U);
+  const auto found = [&](bool has_pose, const RigidTransform& working) {
+    outcome.has_pose = has_pose;
+    outcome.status = has_pose ? "pose" : "no_pose";
+    outcome.T_target_source = has_pose ? to_caller_frame(working, correspondences) : RigidTransform::Identity();
+  };
+  for (const std::string_view stage : stages) {
+    if (stage == "1R") {
+      const Correspondences subset = correspondences.subset(outcome.kept);
+      ConsensusSet set = one_point_ransac(subset, {.consistency_bound = lengths, .seed = seed});
+      for (std::uint32_t& member : set.members) member = outcome.kept[member];
+      outcome.kept = std::move(set.members);
+    } else if (stage == "2R") {
+      outcome.kept = two_point_ransac(correspondences, outcome.kept,
+                                      {.consistency_bound = lengths, .angle_bound = lengths, .seed = seed})
+                         .members;
+    } else if (stage == "3R") {
+      ThreePointResult result =
+          three_point_ransac(correspondences, outcome.kept, {.noise_bound = noise_bound, .seed = seed});
+      outcome.kept = std::move(result.consensus.members);
+      found(outcome.kept.size() >= 3, result.pose);
+    } else {
+      IrlsResult result = sa_cauchy_irls(correspondences, outcome.kept, {.final_scale = noise_bound});
+      outcome.kept = std::move(result.members);
+      found(result.fit.determined(), result.fit.pose);
+    }
+  }
+  outcome.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  return outcome;
+}
+
+std::optional<std::uint32_t> plain_ransac_iterations(std::string_view name) {
+  if (!name.starts_with(kPlainRansacPrefix)) return std::nullopt;
+  name.remove_prefix(kPlainRansacPrefix.size());
+  std::uint32_t iterations = 0;
+  const auto [rest, error] = std::from_chars(name.data(), name.data() + name.size(), iterations);
+  if (error != std::errc() || rest != name.data() + name.size() || iterations == 0) {
+    throw std::invalid_argument(fmt::format("'{}' is not a number of iterations", name));
+  }
+  return iterations;
+}
+
+}  // namespace
+
+Outcome run_method(std::string_view name, const Correspondences& correspondences, double noise_bound,
+                   std::uint64_t seed) {
+  if (const auto iterations = plain_ransac_iterations(name)) {
+    return of(register_ransac(correspondences, {.noise_bound = noise_bound,
+                                                .seed = seed,
+                                                .max_iterations = *iterations,
+                                                .confidence = std::nullopt,
+                                                .length_tolerance = kHarmlessLengthTolerance,
+                                                .local_optimisation = false}));
+  }
+  if (const auto stages = stages_of(name)) return run_stages(*stages, correspondences, noise_bound, seed);
+  SolverOptions options{.noise_bound = noise_bound, .seed = seed};
+  if (name.starts_with(kFilterPrefix)) {
+    options.filter = Filter::tcf;
+    name.remove_prefix(kFilterPrefix.size());
+  } else if (name.starts_with(kScalePrefix)) {
+    options.estimate_scale = true;
+    name.remove_prefix(kScalePrefix.size());
+  }
+  return of(register_by_name(name, correspondences, options));
+}
+
+std::string after_filter(std::string_view solver) { return fmt::format("{}{}", kFilterPrefix, solver); }
+
+std::string with_scale(std::string_view solver) { return fmt::format("{}{}", kScalePrefix, solver); }
+
+std::string plain_ransac(std::uint32_t iterations) { return fmt::format("{}{}", kPlainRansacPrefix, iterations); }
+
+}  // namespace consimd::studies
