@@ -53,7 +53,8 @@ def main():
     if len(sys.argv) < 2:
         sys.exit(__doc__.strip())
     found = [fault for page in sys.argv[1:] for fault in faults(Path(page))]
-    print(*found, sep="\n", file=sys.stderr)
+    for fault in found:
+        print(fault, file=sys.stderr)
     sys.exit(1 if found else 0)
 
 
