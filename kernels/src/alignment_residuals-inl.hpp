@@ -16,7 +16,7 @@ struct Residual {
   Batch<Arch> operator()(const Vec3<Arch>& p, const Vec3<Arch>& q, bool by_multiplier = true) const {
     const Vec3<Arch> moved{r[0] * p.x + r[1] * p.y + r[2] * p.z + t[0], r[3] * p.x + r[4] * p.y + r[5] * p.z + t[1],
                            r[6] * p.x + r[7] * p.y + r[8] * p.z + t[2]};
-    const Vec3<Arch> residual{moved.x - q.x, moved.y - q.y, difference<Arch>(moved.z, q.z, by_multiplier)};
+    const Vec3<Arch> residual{moved.x - q.x, moved.y - q.y, difference(moved.z, q.z, by_multiplier)};
     return dot(residual, residual);
   }
 

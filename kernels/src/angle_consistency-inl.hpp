@@ -39,7 +39,7 @@ struct AngleTest {
     const Batch<Arch> Y = b1 * b2;
     const Batch<Arch> e1 = a1 - squared;
     const Batch<Arch> e2 = a2 - squared;
-    return {S, a1 * a2, Y, S - p12, b1 + b2 - q12, smaller(e1, e2), square_root<Arch>(e1 * e2), square_root<Arch>(Y)};
+    return {S, a1 * a2, Y, S - p12, b1 + b2 - q12, smaller(e1, e2), square_root(e1 * e2), square_root(Y)};
   }
 
   Mask<Arch> finish(const Begun& begun) const {

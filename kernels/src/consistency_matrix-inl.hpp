@@ -134,9 +134,14 @@ void consistency_matrix(const RawView& view, Bounds bounds, std::uint64_t* bits,
 }
 
 template <typename Arch>
+std::uint32_t and_popcount(const std::uint64_t* a, const std::uint64_t* b, std::size_t words) {
+  return common_bits(a, b, words, Arch{});
+}
+
+template <typename Arch>
 void and_popcount_rows(const std::uint64_t* matrix, std::size_t words, const std::uint64_t* set,
                        const std::uint32_t* rows, std::size_t n, std::uint32_t* counts) {
-  for (std::size_t r = 0; r < n; ++r) counts[r] = and_popcount<Arch>(matrix + rows[r] * words, set, words);
+  for (std::size_t r = 0; r < n; ++r) counts[r] = common_bits(matrix + rows[r] * words, set, words, Arch{});
 }
 
 /// sums[r] for kRows rows at once: what is loaded of `values` serves all, and their additions do not wait for one
@@ -149,7 +154,7 @@ inline void add_masked_rows(const std::uint64_t* rows, std::size_t words, const 
     for (std::size_t r = 0; r < kRows; ++r) bits[r] = rows[r * words + word];
     for (std::size_t k = 0; k < 64; k += kWidth<Arch>) {
       const Batch<Arch> terms = Batch<Arch>::load_unaligned(values + word * 64 + k);
-      for (std::size_t r = 0; r < kRows; ++r) sum[r].add(k, keep<Arch>(mask_of<Arch>(bits[r] >> k), terms));
+      for (std::size_t r = 0; r < kRows; ++r) sum[r].add(k, keep<Arch>(mask_of(bits[r] >> k, Arch{}), terms));
     }
   }
   for (std::size_t r = 0; r < kRows; ++r) sums[r] = sum[r].total();

@@ -16,14 +16,14 @@ struct LengthTest {
 
   Mask<Arch> operator()(const Vec3<Arch>& source, const Vec3<Arch>& target, bool by_multiplier) const {
     const Vec3<Arch> dp = p - source;
-    const Vec3<Arch> dq{q.x - target.x, q.y - target.y, difference<Arch>(q.z, target.z, by_multiplier)};
+    const Vec3<Arch> dq{q.x - target.x, q.y - target.y, difference(q.z, target.z, by_multiplier)};
     return agree(dot(dp, dp), dot(dq, dq));
   }
 
   /// a, b: squared lengths.
   Mask<Arch> agree(const Batch<Arch>& a, const Batch<Arch>& b) const {
-    const Batch<Arch> excess = difference<Arch>(a, b);
-    return below_larger<Arch>(excess * excess, twice_squared * (a + b) - floor, floor);
+    const Batch<Arch> excess = difference(a, b);
+    return below_larger(excess * excess, twice_squared * (a + b) - floor, floor);
   }
 
   Vec3<Arch> p, q;

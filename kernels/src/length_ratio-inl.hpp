@@ -18,7 +18,7 @@ struct LengthRatioTest {
     const Vec3<Arch> dq = length.q - target;
     const Batch<Arch> a = dot(dp, dp);
     const Batch<Arch> b = dot(dq, dq);
-    return length.agree(a, b) & (larger<Arch>(b - a, a - b) < ratio * (a + b));
+    return length.agree(a, b) & (larger(b - a, a - b) < ratio * (a + b));
   }
 
   LengthTest<Arch> length;
@@ -41,10 +41,10 @@ void length_disagreement(const RawView& view, const std::uint32_t* seeds, std::s
       const Vec3<Arch> dq = q - load<Arch>(view.target, j);
       const Batch<Arch> a = dot(dp, dp);
       const Batch<Arch> b = dot(dq, dq);
-      const Batch<Arch> difference = larger<Arch>(b - a, a - b);
-      const Batch<Arch> lengths = square_root<Arch>(a) + square_root<Arch>(b);
-      const Batch<Arch> limit = smaller<Arch>(ratio * (a + b), bound * lengths);
-      const Batch<Arch> share = smaller<Arch>(divide<Arch>(difference, limit), one);
+      const Batch<Arch> difference = larger(b - a, a - b);
+      const Batch<Arch> lengths = square_root(a) + square_root(b);
+      const Batch<Arch> limit = smaller(ratio * (a + b), bound * lengths);
+      const Batch<Arch> share = smaller(divide(difference, limit), one);
       sum.add(j, keep<Arch>(limit > zero, share));
     }
     costs[s] = sum.total();
@@ -59,9 +59,9 @@ void scale_intervals(const RawView& view, std::uint32_t seed, float bound, float
   for (std::size_t j = 0; j < view.padded; j += kWidth<Arch>) {
     const Vec3<Arch> dp = p - load<Arch>(view.source, j);
     const Vec3<Arch> dq = q - load<Arch>(view.target, j);
-    const Batch<Arch> inverse = divide<Arch>(Batch<Arch>(1.0f), square_root<Arch>(dot(dp, dp)));
-    const Batch<Arch> length = square_root<Arch>(dot(dq, dq));
-    (larger<Arch>(length - limit, Batch<Arch>(0.0f)) * inverse).store_unaligned(lows + j);
+    const Batch<Arch> inverse = divide(Batch<Arch>(1.0f), square_root(dot(dp, dp)));
+    const Batch<Arch> length = square_root(dot(dq, dq));
+    (larger(length - limit, Batch<Arch>(0.0f)) * inverse).store_unaligned(lows + j);
     ((length + limit) * inverse).store_unaligned(highs + j);
   }
 }

@@ -59,7 +59,7 @@ void weighted_moments(const RawView& view, const float* weights, RigidMoments* m
   const auto weigh = [&view, weights](std::size_t j, const Vec3<Arch>&, const Vec3<Arch>&) {
     const std::size_t left = view.size > j ? view.size - j : 0;
     const std::uint64_t present = left < 64 ? (std::uint64_t{1} << left) - 1 : ~std::uint64_t{0};
-    return Weights<Arch>{mask_of<Arch>(present), Batch<Arch>::load_aligned(weights + j), Batch<Arch>(0.0f)};
+    return Weights<Arch>{mask_of(present, Arch{}), Batch<Arch>::load_aligned(weights + j), Batch<Arch>(0.0f)};
   };
   sum_moments<Arch, false>(view, weigh, moments);
 }
@@ -67,7 +67,7 @@ void weighted_moments(const RawView& view, const float* weights, RigidMoments* m
 template <typename Arch>
 void subset_moments(const RawView& view, const std::uint64_t* bits, RigidMoments* moments) {
   const auto weigh = [bits](std::size_t j, const Vec3<Arch>&, const Vec3<Arch>&) {
-    return Weights<Arch>{mask_of<Arch>(bits[j / 64] >> (j % 64)), Batch<Arch>(1.0f), Batch<Arch>(0.0f)};
+    return Weights<Arch>{mask_of(bits[j / 64] >> (j % 64), Arch{}), Batch<Arch>(1.0f), Batch<Arch>(0.0f)};
   };
   sum_moments<Arch, false>(view, weigh, moments);
 }
@@ -75,12 +75,12 @@ void subset_moments(const RawView& view, const std::uint64_t* bits, RigidMoments
 template <typename Arch, WeightFunction kFunction>
 inline Batch<Arch> robust_weight(const RawWeight& weight, const Batch<Arch>& squared) {
   if constexpr (kFunction == WeightFunction::cauchy) {
-    return divide<Arch>(1.0f, 1.0f + squared * weight.inverse_squared_scale);
+    return divide(Batch<Arch>(1.0f), 1.0f + squared * weight.inverse_squared_scale);
   } else if constexpr (kFunction == WeightFunction::student_uniform) {
     const Batch<Arch> y = 1.0f + squared * weight.inverse_squared_scale;
     Batch<Arch> power = y;
     for (std::uint32_t s = 0; s < weight.squarings; ++s) power = power * power;
-    return divide<Arch>(1.0f, y * (1.0f + weight.odds * power));
+    return divide(Batch<Arch>(1.0f), y * (1.0f + weight.odds * power));
   } else {
     return Batch<Arch>(1.0f);
   }

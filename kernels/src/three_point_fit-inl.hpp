@@ -17,10 +17,10 @@ struct Triangles {
     const Vec3<Arch> normal = cross(e1, e2);
     const Batch<Arch> squared_length = dot(e1, e1);
     const Batch<Arch> squared_normal = dot(normal, normal);
-    const Batch<Arch> normal_length = square_root<Arch>(squared_normal);
-    length = square_root<Arch>(squared_length);
-    x = divide<Arch>(1.0f, length) * e1;
-    z = divide<Arch>(1.0f, normal_length) * normal;
+    const Batch<Arch> normal_length = square_root(squared_normal);
+    length = square_root(squared_length);
+    x = divide(Batch<Arch>(1.0f), length) * e1;
+    z = divide(Batch<Arch>(1.0f), normal_length) * normal;
     y = cross(z, x);
     a = dot(e2, x);
     b = divide(normal_length, length);
@@ -61,7 +61,7 @@ void three_point_fits(const RawView& view, const IndexTriple* triples, std::size
     const Batch<Arch> dots =
         s.length * t.length + s.a * t.a + s.b * t.b - kThird * ((s.length + s.a) * (t.length + t.a) + s.b * t.b);
     const Batch<Arch> crosses = s.a * t.b - s.b * t.a - kThird * ((s.length + s.a) * t.b - s.b * (t.length + t.a));
-    const Batch<Arch> norm = square_root<Arch>(dots * dots + crosses * crosses);
+    const Batch<Arch> norm = square_root(dots * dots + crosses * crosses);
     const Batch<Arch> cosine = divide(dots, norm);
     const Batch<Arch> sine = divide(crosses, norm);
 
