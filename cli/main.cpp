@@ -3,8 +3,13 @@
 #include <exception>
 #include <new>
 #include <string>
+#include <string_view>
+#include <vector>
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <consimd/kernels/isa.hpp>
 
 #include <consimd/studies/build_info.hpp>
 #include "commands.hpp"
@@ -24,16 +29,18 @@ int main(int argc, char** argv) {
   CLI::App app("Correspondence-based 3D registration on vectorised consensus kernels.", "consimd");
   app.set_version_flag("--version", fmt::format("consimd {}", consimd::studies::build_info().version));
   app.require_subcommand(1);
+  std::vector<std::string_view> isas;
+  for (const consimd::Isa isa : consimd::known_isas()) isas.push_back(to_string(isa));
   app.footer(
-      "Environment:\n"
-      "  CONSIMD_ISA  scalar, sse2, avx2, avx512 or neon: the instruction set to run on (default: the widest; same "
-      "results)\n"
-      "Examples:\n"
-      "  consimd sweep\n"
-      "  consimd compare\n"
-      "  consimd generate --outliers 0.95 --out problem\n"
-      "  consimd register problem/correspondences.txt --noise-bound 3 --truth problem/pose.txt\n"
-      "'consimd COMMAND --help' explains a command.");
+      fmt::format("Environment:\n"
+                  "  CONSIMD_ISA  the instruction set to run on: {} (default: the widest found; same results)\n"
+                  "Examples:\n"
+                  "  consimd sweep\n"
+                  "  consimd compare\n"
+                  "  consimd generate --outliers 0.95 --out problem\n"
+                  "  consimd register problem/correspondences.txt --noise-bound 3 --truth problem/pose.txt\n"
+                  "'consimd COMMAND --help' explains a command.",
+                  fmt::join(isas, ", ")));
   Action run;
   add_register_command(app, run);
   add_sweep_command(app, run);

@@ -1,7 +1,7 @@
 #include "table-inl.hpp"
 
-namespace consimd::avx2 {
+namespace consimd::detail::avx2 {
 
-const detail::KernelTable& table() noexcept { return detail::kTable<xsimd::avx2>; }
+const KernelTable& table() noexcept { return kTable<xsimd::avx2>; }
 
-}  // namespace consimd::avx2
+}  // namespace consimd::detail::avx2

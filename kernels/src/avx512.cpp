@@ -1,7 +1,7 @@
 #include "table-inl.hpp"
 
-namespace consimd::avx512 {
+namespace consimd::detail::avx512 {
 
-const detail::KernelTable& table() noexcept { return detail::kTable<xsimd::avx512bw>; }
+const KernelTable& table() noexcept { return kTable<xsimd::avx512bw>; }
 
-}  // namespace consimd::avx512
+}  // namespace consimd::detail::avx512

@@ -3,7 +3,7 @@
 
 #include "kernel_table.hpp"
 
-namespace consimd::avx512 {
+namespace consimd::detail::avx512 {
 namespace {
 
 std::uint32_t and_popcount(const std::uint64_t* a, const std::uint64_t* b, std::size_t words) {
@@ -29,9 +29,9 @@ void and_popcount_rows(const std::uint64_t* matrix, std::size_t words, const std
 
 }  // namespace
 
-void use_vector_popcount(detail::KernelTable& table) noexcept {
+void use_vector_popcount(KernelTable& table) noexcept {
   table.and_popcount = and_popcount;
   table.and_popcount_rows = and_popcount_rows;
 }
 
-}  // namespace consimd::avx512
+}  // namespace consimd::detail::avx512

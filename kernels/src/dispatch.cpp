@@ -11,28 +11,83 @@
 namespace consimd {
 namespace {
 
-constexpr std::array<std::string_view, 5> kNames{"scalar", "sse2", "avx2", "avx512", "neon"};
+struct IsaName {
+  Isa isa;
+  std::string_view name;
+};
+
+/// Every instruction set there is a kernel for, in the order of the enumeration. Help, errors and tests take the names
+/// from here.
+constexpr std::array kNames{IsaName{Isa::scalar, "scalar"}, IsaName{Isa::sse2, "sse2"}, IsaName{Isa::avx2, "avx2"},
+                            IsaName{Isa::avx512, "avx512"}, IsaName{Isa::neon, "neon"}};
+
+constexpr std::size_t index(Isa isa) { return static_cast<std::size_t>(isa); }
+
+constexpr auto kKnown = [] {
+  std::array<Isa, kNames.size()> isas{};
+  for (std::size_t k = 0; k < isas.size(); ++k) isas[k] = kNames[k].isa;
+  return isas;
+}();
+static_assert([] {
+  for (std::size_t k = 0; k < kKnown.size(); ++k) {
+    if (index(kKnown[k]) != k) return false;
+  }
+  return true;
+}());
+
+bool always() noexcept { return true; }
 
 // __builtin_cpu_supports asks the operating system too: a register file that it does not save counts as absent.
-std::vector<Isa> detect() {
-  std::vector<Isa> isas{Isa::scalar};
+#ifdef CONSIMD_HAVE_AVX2
+bool has_avx2() noexcept { return __builtin_cpu_supports("avx2") && __builtin_cpu_supports("popcnt"); }
+#endif
+
+#ifdef CONSIMD_HAVE_AVX512
+bool has_avx512() noexcept {
+  return __builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512cd") &&
+         __builtin_cpu_supports("avx512bw") && __builtin_cpu_supports("avx512dq") &&
+         __builtin_cpu_supports("avx512vl") && __builtin_cpu_supports("popcnt");
+}
+
+const detail::KernelTable& best_avx512_table() noexcept {
+  static const detail::KernelTable table = [] {
+    detail::KernelTable best = detail::avx512::table();
+    if (__builtin_cpu_supports("avx512vpopcntdq")) detail::avx512::use_vector_popcount(best);
+    return best;
+  }();
+  return table;
+}
+#endif
+
+/// An instruction set that this build has kernels for.
+struct BuiltIsa {
+  Isa isa;
+  bool (*runs_here)() noexcept;
+  const detail::KernelTable& (*table)() noexcept;
+};
+
+/// Narrowest first.
+constexpr BuiltIsa kBuilt[]{
+    {Isa::scalar, always, detail::scalar::table},
 #ifdef CONSIMD_HAVE_SSE2
-  isas.push_back(Isa::sse2);
+    {Isa::sse2, always, detail::sse2::table},
 #endif
 #ifdef CONSIMD_HAVE_AVX2
-  if (__builtin_cpu_supports("avx2") && __builtin_cpu_supports("popcnt")) {
-    isas.push_back(Isa::avx2);
-  }
+    {Isa::avx2, has_avx2, detail::avx2::table},
 #endif
 #ifdef CONSIMD_HAVE_AVX512
-  if (__builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512cd") && __builtin_cpu_supports("avx512bw") &&
-      __builtin_cpu_supports("avx512dq") && __builtin_cpu_supports("avx512vl") && __builtin_cpu_supports("popcnt")) {
-    isas.push_back(Isa::avx512);
-  }
+    {Isa::avx512, has_avx512, best_avx512_table},
 #endif
 #ifdef CONSIMD_HAVE_NEON
-  isas.push_back(Isa::neon);
+    {Isa::neon, always, detail::neon::table},
 #endif
+};
+
+std::vector<Isa> detect() {
+  std::vector<Isa> isas;
+  for (const BuiltIsa& built : kBuilt) {
+    if (built.runs_here()) isas.push_back(built.isa);
+  }
   return isas;
 }
 
@@ -52,24 +107,19 @@ void require_supported(Isa isa) {
 constexpr int kNotChosen = -1;
 std::atomic<int> chosen_isa{kNotChosen};
 
-Isa initial_isa() {
-  const char* forced = std::getenv("CONSIMD_ISA");
-  if (forced == nullptr || *forced == '\0') return supported_isas().back();
-  const Isa isa = parse_isa(forced);
-  require_supported(isa);
-  return isa;
-}
-
 }  // namespace
 
-std::string_view to_string(Isa isa) noexcept { return kNames[static_cast<std::size_t>(isa)]; }
+std::string_view to_string(Isa isa) noexcept { return kNames[index(isa)].name; }
 
 Isa parse_isa(std::string_view name) {
-  const auto found = std::find(kNames.begin(), kNames.end(), name);
-  if (found != kNames.end()) return static_cast<Isa>(found - kNames.begin());
-  throw std::invalid_argument("unknown instruction set \"" + std::string(name) +
-                              "\", expected one of scalar, sse2, avx2, avx512, neon");
+  for (const IsaName& known : kNames) {
+    if (known.name == name) return known.isa;
+  }
+  throw std::invalid_argument("unknown instruction set \"" + std::string(name) + "\", expected one of " +
+                              names_of(known_isas()));
 }
+
+std::span<const Isa> known_isas() noexcept { return kKnown; }
 
 std::span<const Isa> supported_isas() noexcept {
   static const std::vector<Isa> isas = detect();
@@ -79,7 +129,7 @@ std::span<const Isa> supported_isas() noexcept {
 Isa active_isa() {
   int isa = chosen_isa.load(std::memory_order_relaxed);
   if (isa == kNotChosen) {
-    const int initial = static_cast<int>(initial_isa());
+    const int initial = static_cast<int>(detail::isa_or_widest(std::getenv("CONSIMD_ISA")));
     // A concurrent set_active_isa wins over the initial choice.
     if (chosen_isa.compare_exchange_strong(isa, initial, std::memory_order_relaxed)) isa = initial;
   }
@@ -93,33 +143,22 @@ void set_active_isa(Isa isa) {
 
 namespace detail {
 
+Isa isa_or_widest(const char* name) {
+  if (name == nullptr || *name == '\0') return supported_isas().back();
+  const Isa isa = parse_isa(name);
+  require_supported(isa);
+  return isa;
+}
+
 const KernelTable& table_of(Isa isa) noexcept {
-  switch (isa) {
-#ifdef CONSIMD_HAVE_SSE2
-    case Isa::sse2:
-      return sse2::table();
-#endif
-#ifdef CONSIMD_HAVE_AVX2
-    case Isa::avx2:
-      return avx2::table();
-#endif
-#ifdef CONSIMD_HAVE_AVX512
-    case Isa::avx512: {
-      static const KernelTable table = [] {
-        KernelTable best = avx512::table();
-        if (__builtin_cpu_supports("avx512vpopcntdq")) avx512::use_vector_popcount(best);
-        return best;
-      }();
-      return table;
+  static const auto tables = [] {
+    std::array<const KernelTable*, kKnown.size()> by_isa{};
+    for (const BuiltIsa& built : kBuilt) {
+      if (built.runs_here()) by_isa[index(built.isa)] = &built.table();
     }
-#endif
-#ifdef CONSIMD_HAVE_NEON
-    case Isa::neon:
-      return neon::table();
-#endif
-    default:
-      return scalar::table();
-  }
+    return by_isa;
+  }();
+  return *tables[index(isa)];
 }
 
 const KernelTable& active_table() { return table_of(active_isa()); }

@@ -7,6 +7,10 @@
 
 namespace consimd::detail {
 
+/// The instruction set called `name`, or the widest supported where that is null or empty. Throws std::invalid_argument
+/// on a name that is unknown or not supported.
+Isa isa_or_widest(const char* name);
+
 /// `isa` must be supported.
 const KernelTable& table_of(Isa isa) noexcept;
 

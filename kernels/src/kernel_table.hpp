@@ -73,24 +73,24 @@ struct KernelTable {
   void (*scale_intervals)(const RawView&, std::uint32_t seed, float bound, float* lows, float* highs);
 };
 
-}  // namespace consimd::detail
-
 // One table per instruction set; only those that the build compiles are defined (CONSIMD_HAVE_SSE2, ..., set by CMake
 // for dispatch.cpp).
-namespace consimd::scalar {
-const detail::KernelTable& table() noexcept;
+namespace scalar {
+const KernelTable& table() noexcept;
 }
-namespace consimd::sse2 {
-const detail::KernelTable& table() noexcept;
+namespace sse2 {
+const KernelTable& table() noexcept;
 }
-namespace consimd::avx2 {
-const detail::KernelTable& table() noexcept;
+namespace avx2 {
+const KernelTable& table() noexcept;
 }
-namespace consimd::avx512 {
-const detail::KernelTable& table() noexcept;
+namespace avx512 {
+const KernelTable& table() noexcept;
 /// Puts in the functions that need AVX512_VPOPCNTDQ, which not every AVX-512 processor has.
-void use_vector_popcount(detail::KernelTable& table) noexcept;
-}  // namespace consimd::avx512
-namespace consimd::neon {
-const detail::KernelTable& table() noexcept;
+void use_vector_popcount(KernelTable& table) noexcept;
+}  // namespace avx512
+namespace neon {
+const KernelTable& table() noexcept;
 }
+
+}  // namespace consimd::detail

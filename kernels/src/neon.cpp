@@ -1,7 +1,7 @@
 #include "table-inl.hpp"
 
-namespace consimd::neon {
+namespace consimd::detail::neon {
 
-const detail::KernelTable& table() noexcept { return detail::kTable<xsimd::neon64>; }
+const KernelTable& table() noexcept { return kTable<xsimd::neon64>; }
 
-}  // namespace consimd::neon
+}  // namespace consimd::detail::neon

@@ -6,11 +6,8 @@
 
 #include "kernel_table.hpp"
 
-namespace consimd::scalar {
+namespace consimd::detail::scalar {
 namespace {
-
-using detail::RawView;
-using detail::RawWeight;
 
 struct Point {
   float x, y, z;
@@ -77,8 +74,7 @@ void consistency_matrix(const RawView& view, float bound, std::uint64_t* bits, s
 }
 
 /// The lengths' sum exceeds s when a + b + 2 sqrt(a b) > s^2, squared once more.
-void separated_matrix(const RawView& view, detail::SeparatedBounds bounds, std::uint64_t* bits,
-                      std::uint32_t* degrees) {
+void separated_matrix(const RawView& view, SeparatedBounds bounds, std::uint64_t* bits, std::uint32_t* degrees) {
   const float squared_separation = bounds.separation * bounds.separation;
   for (std::uint32_t i = 0; i < view.size; ++i) {
     const auto consistent = length_consistent_with(view, i, bounds.bound);
@@ -96,7 +92,7 @@ void separated_matrix(const RawView& view, detail::SeparatedBounds bounds, std::
 
 // ---- Length ratios.
 
-void ratio_matrix(const RawView& view, detail::RatioBounds bounds, std::uint64_t* bits, std::uint32_t* degrees) {
+void ratio_matrix(const RawView& view, RatioBounds bounds, std::uint64_t* bits, std::uint32_t* degrees) {
   for (std::uint32_t i = 0; i < view.size; ++i) {
     const auto consistent = length_consistent_with(view, i, bounds.bound);
     const auto alike_and_consistent = [&](std::size_t j) {
@@ -224,7 +220,7 @@ void alignment_scores(const RawView& view, const WorkingPose* poses, std::size_t
 
 // ---- Length ratios, as sums and as scales.
 
-void length_disagreement(const RawView& view, const std::uint32_t* seeds, std::size_t n, detail::RatioBounds bounds,
+void length_disagreement(const RawView& view, const std::uint32_t* seeds, std::size_t n, RatioBounds bounds,
                          float* costs) {
   for (std::size_t s = 0; s < n; ++s) {
     InterleavedSum sum;
@@ -431,13 +427,30 @@ void masked_row_sums(const std::uint64_t* rows, std::size_t words, std::size_t n
 
 }  // namespace
 
-const detail::KernelTable& table() noexcept {
-  static constexpr detail::KernelTable kTable{
-      length_counts,    length_bits,       angle_counts,        angle_bits,          alignment_counts,
-      alignment_scores, alignment_bits,    alignment_residuals, weighted_moments,    subset_moments,
-      robust_moments,   three_point_fits,  consistency_matrix,  separated_matrix,    ratio_matrix,
-      and_popcount,     and_popcount_rows, masked_row_sums,     length_disagreement, scale_intervals};
+const KernelTable& table() noexcept {
+  static constexpr KernelTable kTable{
+      .length_counts = length_counts,
+      .length_bits = length_bits,
+      .angle_counts = angle_counts,
+      .angle_bits = angle_bits,
+      .alignment_counts = alignment_counts,
+      .alignment_scores = alignment_scores,
+      .alignment_bits = alignment_bits,
+      .alignment_residuals = alignment_residuals,
+      .weighted_moments = weighted_moments,
+      .subset_moments = subset_moments,
+      .robust_moments = robust_moments,
+      .three_point_fits = three_point_fits,
+      .consistency_matrix = consistency_matrix,
+      .separated_matrix = separated_matrix,
+      .ratio_matrix = ratio_matrix,
+      .and_popcount = and_popcount,
+      .and_popcount_rows = and_popcount_rows,
+      .masked_row_sums = masked_row_sums,
+      .length_disagreement = length_disagreement,
+      .scale_intervals = scale_intervals,
+  };
   return kTable;
 }
 
-}  // namespace consimd::scalar
+}  // namespace consimd::detail::scalar

@@ -1,7 +1,7 @@
 #include "table-inl.hpp"
 
-namespace consimd::sse2 {
+namespace consimd::detail::sse2 {
 
-const detail::KernelTable& table() noexcept { return detail::kTable<xsimd::sse2>; }
+const KernelTable& table() noexcept { return kTable<xsimd::sse2>; }
 
-}  // namespace consimd::sse2
+}  // namespace consimd::detail::sse2

@@ -51,6 +51,12 @@ class Usage(CommandTest):
         ):
             self.assert_error(*command, says="sse9", CONSIMD_ISA="sse9")
 
+    def test_help_and_errors_name_the_same_isas(self):
+        _, error = self.start("info", CONSIMD_ISA="sse9").communicate(timeout=300)
+        names = error.strip().partition("expected one of ")[2]
+        self.assertLessEqual(set(self.isas()), set(names.split(", ")))
+        self.assertIn(f"the instruction set to run on: {names} (", self.run_command("--help"))
+
 
 if __name__ == "__main__":
     unittest.main()

@@ -189,7 +189,7 @@ TEST(VectorPopcount, EqualsThePortableForm) {
     ExactArray<std::uint64_t> b(words);
     for (std::size_t k = 0; k < words; ++k) a[k] = std::uint64_t{random()} << 32 | random();
     for (std::size_t k = 0; k < words; ++k) b[k] = std::uint64_t{random()} << 32 | random();
-    EXPECT_EQ(avx512::table().and_popcount(a.data(), b.data(), words),
+    EXPECT_EQ(detail::avx512::table().and_popcount(a.data(), b.data(), words),
               detail::table_of(Isa::avx512).and_popcount(a.data(), b.data(), words));
   }
 }

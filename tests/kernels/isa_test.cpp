@@ -3,28 +3,51 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
+#include <bit>
 #include <cstdlib>
 #include <stdexcept>
+#include <string>
 #include <string_view>
+
+#include "dispatch.hpp"
 
 namespace consimd {
 namespace {
-
-constexpr Isa kAll[] = {Isa::scalar, Isa::sse2, Isa::avx2, Isa::avx512, Isa::neon};
 
 bool supported(Isa isa) {
   const auto isas = supported_isas();
   return std::find(isas.begin(), isas.end(), isa) != isas.end();
 }
 
-bool is_supported_name(std::string_view name) {
-  return std::any_of(std::begin(kAll), std::end(kAll),
-                     [&](Isa isa) { return to_string(isa) == name && supported(isa); });
+/// What `call` throws; fails if it throws nothing.
+template <typename Call>
+std::string refusal(Call call) {
+  try {
+    call();
+  } catch (const std::invalid_argument& error) {
+    return error.what();
+  }
+  ADD_FAILURE() << "no std::invalid_argument";
+  return {};
 }
 
 TEST(IsaNames, RoundTrip) {
-  for (const Isa isa : kAll) EXPECT_EQ(parse_isa(to_string(isa)), isa);
-  for (const char* bad : {"", "AVX2", "avx", "native"}) EXPECT_THROW((void)parse_isa(bad), std::invalid_argument);
+  for (const Isa isa : known_isas()) EXPECT_EQ(parse_isa(to_string(isa)), isa);
+}
+
+TEST(IsaNames, UnknownOnesAreRefusedWithThoseThatAreKnown) {
+  for (const char* bad : {"", "AVX2", "avx", "native"}) {
+    const std::string message = refusal([&] { (void)parse_isa(bad); });
+    EXPECT_NE(message.find('"' + std::string(bad) + '"'), std::string::npos) << message;
+    for (const Isa isa : known_isas()) EXPECT_NE(message.find(to_string(isa)), std::string::npos) << message;
+  }
+}
+
+TEST(KnownIsas, HoldThoseSupported) {
+  for (const Isa isa : supported_isas()) {
+    EXPECT_EQ(std::count(known_isas().begin(), known_isas().end(), isa), 1) << to_string(isa);
+  }
 }
 
 TEST(SupportedIsas, StartWithScalarAndEndWithTheWidest) {
@@ -39,20 +62,36 @@ TEST(SupportedIsas, StartWithScalarAndEndWithTheWidest) {
 #endif
 }
 
+TEST(ForcedIsa, IsTheOneNamedElseTheWidest) {
+  EXPECT_EQ(detail::isa_or_widest(nullptr), supported_isas().back());
+  EXPECT_EQ(detail::isa_or_widest(""), supported_isas().back());
+  for (const Isa isa : known_isas()) {
+    const std::string name(to_string(isa));
+    if (supported(isa)) {
+      EXPECT_EQ(detail::isa_or_widest(name.c_str()), isa);
+    } else {
+      const std::string message = refusal([&] { (void)detail::isa_or_widest(name.c_str()); });
+      EXPECT_NE(message.find('"' + name + '"'), std::string::npos) << message;
+      EXPECT_NE(message.find(to_string(supported_isas().back())), std::string::npos) << message;
+    }
+  }
+  EXPECT_THROW((void)detail::isa_or_widest("unheard-of"), std::invalid_argument);
+}
+
 // Before any set_active_isa. CTest runs this once for each value of CONSIMD_ISA, in a process of its own.
-TEST(FirstActiveIsa, IsTheOneForcedElseTheWidest) {
+TEST(FirstActiveIsa, IsTheOneOfTheEnvironment) {
   const char* forced = std::getenv("CONSIMD_ISA");
-  if (forced == nullptr || *forced == '\0') {
+  if (forced == nullptr) {
     EXPECT_EQ(active_isa(), supported_isas().back());
-  } else if (is_supported_name(forced)) {
-    EXPECT_EQ(to_string(active_isa()), forced);
+  } else if (std::string_view(forced) == "scalar") {
+    EXPECT_EQ(active_isa(), Isa::scalar);
   } else {
     EXPECT_THROW((void)active_isa(), std::invalid_argument);
   }
 }
 
 TEST(ActiveIsa, IsTheLastOneSet) {
-  for (const Isa isa : kAll) {
+  for (const Isa isa : known_isas()) {
     if (supported(isa)) {
       set_active_isa(isa);
       EXPECT_EQ(active_isa(), isa);
@@ -61,6 +100,15 @@ TEST(ActiveIsa, IsTheLastOneSet) {
     }
   }
   set_active_isa(supported_isas().back());
+}
+
+TEST(KernelTables, AreFull) {
+  // A table is function pointers and nothing else.
+  using Entries = std::array<void (*)(), sizeof(detail::KernelTable) / sizeof(void (*)())>;
+  for (const Isa isa : supported_isas()) {
+    const auto entries = std::bit_cast<Entries>(detail::table_of(isa));
+    EXPECT_EQ(std::count(entries.begin(), entries.end(), nullptr), 0) << to_string(isa);
+  }
 }
 
 }  // namespace

@@ -12,7 +12,10 @@ namespace consimd {
 /// Instruction sets a kernel can run on. All of them return the same bits.
 enum class Isa : std::uint8_t { scalar, sse2, avx2, avx512, neon };
 
-/// Lower-case name as accepted by `CONSIMD_ISA`: "scalar", "sse2", "avx2", "avx512", "neon".
+/// Every instruction set that the library has kernels for, on any processor, in the order of the enumeration.
+[[nodiscard]] std::span<const Isa> known_isas() noexcept;
+
+/// The enumerator's name, as accepted by `CONSIMD_ISA`.
 [[nodiscard]] std::string_view to_string(Isa isa) noexcept;
 
 /// Inverse of `to_string`. Throws std::invalid_argument that names the bad value and the accepted ones.
