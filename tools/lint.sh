@@ -15,25 +15,14 @@ reject() {
 
 # What the compiler cannot check: flags and operations that would cost equal bits, and the direction of includes.
 check_rules() {
-  local cxx build_files layer above
+  local cxx build_files
   mapfile -t cxx < <(cxx_sources)
   # The baselines in bench/micro, which kernels are measured against, are given every advantage of the machine.
   mapfile -t build_files < <(find "$root" \( -path "$root/build" -o -path "$root/bench/micro" \) -prune -o \
     \( -name CMakeLists.txt -o -name '*.cmake' -o -name CMakePresets.json \) -print)
   reject "flags that make results depend on the machine" 'march=native|ffast-math' "${build_files[@]}" "${cxx[@]}"
   reject "xsimd operations that differ between instruction sets" 'xsimd::(fma|fms|fnma|rsqrt|reciprocal)\b' "${cxx[@]}"
-  while read -r layer above; do
-    mapfile -t cxx < <(cxx_sources | grep "^$root/$layer/")
-    reject "$layer/ includes a layer that is not below it" "#include [<\"](consimd/)?($above)/" "${cxx[@]}"
-  done <<'LAYERS'
-kernels poses|solvers|synth|studies|cli
-poses solvers|synth|studies|cli
-solvers synth|studies|cli
-synth solvers|studies|cli
-studies bench|cli
-bench cli
-examples cli
-LAYERS
+  python3 "$root/tools/check_includes.py" || fail "includes that the layers or rooms forbid"
 }
 
 check_scripts() {

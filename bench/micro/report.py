@@ -14,7 +14,7 @@ from bench_results import Results
 ISAS = ("scalar", "sse2", "neon", "avx2", "avx512")  # narrowest first
 BASELINES = ("loop", "textbook", "eigen")
 CONTEXT = ("cpu", "system", *(f"consimd_{key}" for key in ("commit", "compiler", "build_type", "flags", "threads")))
-STAGES = ("one_point", "two_point", "three_point", "irls")
+STAGES = ("one_point", "two_point", "three_point", "refinement")
 
 
 def table(header, rows):

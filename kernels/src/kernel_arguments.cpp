@@ -5,6 +5,8 @@
 #include <stdexcept>
 #include <string>
 
+#include <consimd/kernels/working_length.hpp>
+
 namespace consimd::detail {
 
 RawView raw_view(const CorrespondenceView& view) noexcept {
@@ -19,7 +21,7 @@ float working_length(const CorrespondenceView& view, double length, std::string_
     throw std::invalid_argument(std::string(name) + " is " + std::to_string(length) +
                                 ", expected a finite length above 0");
   }
-  return static_cast<float>(std::clamp(length * view.scale(), 1e-9, 16.0));
+  return static_cast<float>(consimd::working_length(view, length));
 }
 
 float ratio_bound(double ratio, std::string_view name) {

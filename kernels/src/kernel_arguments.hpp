@@ -14,9 +14,8 @@ namespace consimd::detail {
 
 RawView raw_view(const CorrespondenceView& view) noexcept;
 
-/// `length` of the caller's unit in the working frame. Throws std::invalid_argument unless it is finite and > 0.
-/// Kept within [1e-9, 16]: below, it is finer than single precision resolves; above, it exceeds every distance; and its
-/// fourth power stays a normal number in between.
+/// consimd::working_length(view, length) in single precision. Throws std::invalid_argument unless the length is finite
+/// and > 0.
 float working_length(const CorrespondenceView& view, double length, std::string_view name);
 
 /// Throws std::invalid_argument unless `ratio` lies between 0 and 1, both excluded.

@@ -19,6 +19,7 @@
 #include <consimd/solvers/ransac.hpp>
 #include <consimd/solvers/sc2_pcr.hpp>
 #include <consimd/solvers/tcf.hpp>
+#include <consimd/solvers/tcf_published.hpp>
 #include <consimd/solvers/teaser.hpp>
 #include <consimd/solvers/turboreg.hpp>
 
@@ -107,12 +108,14 @@ struct Option {
 template <typename Options>
 using OptionList = std::vector<Option<Options>>;
 
-OptionList<TcfOptions> options_of(const TcfOptions& of) {
-  OptionList<TcfOptions> list{{"confidence", &TcfOptions::confidence}};
-  if (of.published) return list;
-  list.emplace_back("max_seeds", &TcfOptions::max_seeds);
-  list.emplace_back("matrix_budget_bytes", &TcfOptions::matrix_budget_bytes);
-  return list;
+OptionList<TcfOptions> options_of(const TcfOptions& /*of*/) {
+  return {{"confidence", &TcfOptions::confidence},
+          {"max_seeds", &TcfOptions::max_seeds},
+          {"matrix_budget_bytes", &TcfOptions::matrix_budget_bytes}};
+}
+
+OptionList<TcfPublishedOptions> options_of(const TcfPublishedOptions& /*of*/) {
+  return {{"confidence", &TcfPublishedOptions::confidence}, {"max_iterations", &TcfPublishedOptions::max_iterations}};
 }
 
 OptionList<RansacOptions> options_of(const RansacOptions& /*of*/) {
@@ -188,7 +191,7 @@ RansacOptions fixed_samples(std::uint32_t samples) {
 template <typename Take>
 auto with_solver(std::string_view solver, const Take& take) {
   if (solver == "tcf") return take(TcfOptions(), register_tcf);
-  if (solver == "tcf-published") return take(TcfOptions::as_published(0.0), register_tcf);
+  if (solver == "tcf-published") return take(TcfPublishedOptions(), register_tcf_published);
   if (solver == "ransac") return take(RansacOptions(), register_ransac);
   if (solver == "ransac-10k") return take(fixed_samples(10'000), register_ransac);
   if (solver == "ransac-50k") return take(fixed_samples(50'000), register_ransac);
@@ -231,7 +234,8 @@ SolverCall solver_with_options(std::string_view solver, std::uint64_t seed, nb::
     return [options, solve](const Correspondences& rows, double noise_bound, std::uint32_t bounds_tried) {
       auto used = options;
       used.noise_bound = noise_bound;
-      used.bounds_tried = bounds_tried;
+      // tcf-published does not test for significance.
+      if constexpr (requires { used.bounds_tried; }) used.bounds_tried = bounds_tried;
       return solve(rows, used);
     };
   });

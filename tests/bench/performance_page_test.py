@@ -34,7 +34,7 @@ class PerformancePage(unittest.TestCase):
 
     def test_keeps_medians_and_no_host(self):
         name = "register_tcf/size:1000/iterations:50/manual_time"
-        median = {"real_time": 0.25, "median_ms": 0.212345, "recall": 0.98, "irls_ms": 0.05, "peak_mib": 1.5}
+        median = {"real_time": 0.25, "median_ms": 0.212345, "recall": 0.98, "refinement_ms": 0.05, "peak_mib": 1.5}
         run = {
             "context": {"host_name": "somewhere", "executable": "/some/where", "cpu": "a processor", "caches": []},
             "benchmarks": [
@@ -52,7 +52,7 @@ class PerformancePage(unittest.TestCase):
         self.assertEqual(kept.values["copies/3000/avx2"], {"items": "bytes", "items_per_second": 4e9})
         self.assertEqual(
             kept.values["register_tcf/size:1000"],
-            {"mean_ms": 0.25, "median_ms": 0.2123, "recall": 0.98, "irls_ms": 0.05, "peak_mib": 1.5, "cv": 0.03},
+            {"mean_ms": 0.25, "median_ms": 0.2123, "recall": 0.98, "refinement_ms": 0.05, "peak_mib": 1.5, "cv": 0.03},
         )
         self.assertIn("| 1000 | 0.212 (98 %) | 212 | 1.50 | 0.02 |", "".join(tables(kept)))
 

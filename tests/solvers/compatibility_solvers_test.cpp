@@ -48,7 +48,7 @@ TEST_P(CompatibilityStudyCell, SucceedsWithTheErrorOfLeastSquares) {
     ASSERT_EQ(result.stages.size(), 4u);
     EXPECT_EQ(result.stages[0].name, solver == "pcr99" ? "ranking" : "compatibility");
     EXPECT_EQ(result.stages[0].output, problem.size());
-    EXPECT_EQ(result.stages[3].name, "irls");
+    EXPECT_EQ(result.stages[3].name, "refinement");
     EXPECT_EQ(result.stages[3].output, result.inliers.size());
   }
   // Few trials of 40 inliers scatter more than the mean of many.

@@ -41,7 +41,7 @@ TEST_P(RansacStudyCell, SucceedsWithTheErrorOfLeastSquares) {
     errors.add(problem, result.T_target_source);
     ASSERT_EQ(result.stages.size(), 2u);
     EXPECT_EQ(result.stages[0].name, "three_point");
-    EXPECT_EQ(result.stages[1].name, "irls");
+    EXPECT_EQ(result.stages[1].name, "refinement");
     EXPECT_EQ(result.stages[1].output, result.inliers.size());
   }
   // The statistical limit at 90 % outliers and 5 m is 1.04; single trials scatter more.

@@ -1,6 +1,7 @@
 #include <consimd/solvers/solver.hpp>
 
 #include <consimd/solvers/tcf.hpp>
+#include <consimd/solvers/tcf_published.hpp>
 #include <consimd/synth/noise_study.hpp>
 
 #include <functional>
@@ -66,13 +67,10 @@ TEST(Solver, EveryOneNeedsNoBound) {
 
 TEST(Solver, NameMeansTheFunction) {
   const Correspondences correspondences = easy_problem().correspondences();
-  TcfOptions tcf;
-  tcf.noise_bound = 3.0;
-  tcf.seed = 7;
-  for (const auto& [name, options] :
-       {std::pair("tcf", tcf), std::pair("tcf-published", TcfOptions::as_published(3.0, 7))}) {
+  for (const auto& [name, direct] :
+       {std::pair("tcf", register_tcf(correspondences, {.noise_bound = 3.0, .seed = 7})),
+        std::pair("tcf-published", register_tcf_published(correspondences, {.noise_bound = 3.0, .seed = 7}))}) {
     const Registration by_name = register_by_name(name, correspondences, {.noise_bound = 3.0, .seed = 7});
-    const Registration direct = register_tcf(correspondences, options);
     EXPECT_EQ(by_name.status, direct.status) << name;
     EXPECT_EQ(by_name.seed, 7u) << name;
     EXPECT_EQ(by_name.T_target_source.matrix(), direct.T_target_source.matrix()) << name;

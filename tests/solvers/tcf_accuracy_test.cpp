@@ -67,7 +67,7 @@ TEST(TcfAccuracy, StagesAreReportedInOrder) {
     EXPECT_GT(stage.iterations, 0u) << stage.name;
     EXPECT_GT(stage.output, 0u) << stage.name;
   }
-  EXPECT_EQ(names, (std::vector<std::string>{"one_point", "two_point", "three_point", "irls"}));
+  EXPECT_EQ(names, (std::vector<std::string>{"one_point", "two_point", "three_point", "refinement"}));
   EXPECT_EQ(result.stages.front().input, problem.size());
   EXPECT_EQ(result.stages.back().output, result.inliers.size());
   EXPECT_EQ(result.seed, 5u);

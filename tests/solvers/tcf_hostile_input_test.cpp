@@ -267,12 +267,7 @@ TEST(TcfOptionsTest, BadOnesAreRejected) {
   const Correspondences correspondences = synth::noise_study_problem({.correspondences = 50}).correspondences();
   const auto run_with = [&](double noise_bound, double confidence) {
     return [&correspondences, noise_bound, confidence] {
-      for (const bool published : {false, true}) {
-        TcfOptions options = published ? TcfOptions::as_published(noise_bound) : TcfOptions();
-        options.noise_bound = noise_bound;
-        options.confidence = confidence;
-        static_cast<void>(register_tcf(correspondences, options));
-      }
+      static_cast<void>(register_tcf(correspondences, {.noise_bound = noise_bound, .confidence = confidence}));
     };
   };
   for (const double bound : kBadLengths) expect_rejected(run_with(bound, 0.99), "noise_bound", bound);

@@ -2,7 +2,7 @@
 #include <consimd/solvers/one_point_ransac.hpp>
 #include <consimd/solvers/sa_cauchy_irls.hpp>
 #include <consimd/solvers/solver.hpp>
-#include <consimd/solvers/tcf.hpp>
+#include <consimd/solvers/tcf_published.hpp>
 #include <consimd/solvers/three_point_ransac.hpp>
 #include <consimd/solvers/two_point_ransac.hpp>
 #include <consimd/synth/metrics.hpp>
@@ -29,7 +29,7 @@ INSTANTIATE_TEST_SUITE_P(OutlierRatios, TcfPublished, ::testing::Values(0.0, 0.5
 TEST_P(TcfPublished, FindsPosesOfHardlyRotatedClouds) {
   for (std::uint64_t trial = 0; trial < 5; ++trial) {
     const Problem problem = hardly_rotated(GetParam(), trial);
-    const Registration result = register_tcf(problem.correspondences(), TcfOptions::as_published(3.0, trial));
+    const Registration result = register_tcf_published(problem.correspondences(), {.noise_bound = 3.0, .seed = trial});
     expect_sound(result, problem, 3.0);
     EXPECT_EQ(result.status, Status::success) << "trial " << trial;
     EXPECT_LT(synth::rmse_true_inliers(problem, result.T_target_source), 3.0) << "trial " << trial;
@@ -52,7 +52,7 @@ TEST_P(TcfPublished, IsItsStagesInARow) {
   const double tau = 3.0;
   const Problem problem = hardly_rotated(GetParam(), 7);
   const Correspondences correspondences = problem.correspondences();
-  const Registration result = register_tcf(correspondences, TcfOptions::as_published(tau, 3));
+  const Registration result = register_tcf_published(correspondences, {.noise_bound = tau, .seed = 3});
 
   const ConsensusSet one =
       one_point_ransac(correspondences, {.consistency_bound = 2.0 * tau, .prune = false, .seed = 3});
@@ -82,13 +82,38 @@ TEST_P(TcfPublished, IsItsStagesInARow) {
 }
 
 TEST(TcfPublishedOptions, AreThePapers) {
-  const TcfOptions options = TcfOptions::as_published(0.6, 9);
-  EXPECT_TRUE(options.published);
-  EXPECT_EQ(options.noise_bound, 0.6);
-  EXPECT_EQ(options.seed, 9u);
+  const TcfPublishedOptions options;
+  EXPECT_EQ(options.seed, 1u);
   EXPECT_EQ(options.confidence, 0.99);
-  EXPECT_EQ(options.max_seeds, 10'000u);
-  EXPECT_FALSE(TcfOptions().published);
+  EXPECT_EQ(options.max_iterations, 10'000u);
+}
+
+TEST(TcfPublishedOptions, BadOnesAreRejected) {
+  const Correspondences correspondences = synth::noise_study_problem({.correspondences = 50}).correspondences();
+  const auto run_with = [&](double noise_bound, double confidence) {
+    return [&correspondences, noise_bound, confidence] {
+      static_cast<void>(
+          register_tcf_published(correspondences, {.noise_bound = noise_bound, .confidence = confidence}));
+    };
+  };
+  for (const double bound : kBadLengths) expect_rejected(run_with(bound, 0.99), "noise_bound", bound);
+  for (const double confidence : kBadConfidences) expect_rejected(run_with(1.0, confidence), "confidence", confidence);
+}
+
+TEST(TcfPublishedOptions, BoundTheIterationsOfEachStage) {
+  const Problem problem = hardly_rotated(0.9, 0);
+  for (const std::uint32_t most : {1U, 7U}) {
+    const Registration result =
+        register_tcf_published(problem.correspondences(), {.noise_bound = 3.0, .max_iterations = most});
+    ASSERT_GE(result.stages.size(), 3u);
+    for (std::size_t s = 0; s < 3; ++s) EXPECT_LE(result.stages[s].iterations, most) << result.stages[s].name;
+  }
+}
+
+TEST(TcfPublishedOptions, FewCorrespondencesHaveTheirStatus) {
+  const Problem problem = synth::noise_study_problem({.correspondences = 2, .outlier_ratio = 0.0});
+  EXPECT_EQ(register_tcf_published(problem.correspondences(), {.noise_bound = 3.0}).status,
+            Status::too_few_correspondences);
 }
 
 }  // namespace

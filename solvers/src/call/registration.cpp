@@ -1,5 +1,9 @@
 #include <consimd/solvers/registration.hpp>
 
+#include <oneapi/tbb/task_arena.h>
+
+#include "call/solver_call.hpp"
+
 namespace consimd {
 
 std::string_view to_string(Status status) noexcept {
@@ -18,6 +22,16 @@ std::string_view to_string(Status status) noexcept {
       return "budget_exhausted";
   }
   return "unknown";
+}
+
+Registration detail::start_registration(double noise_bound, std::uint64_t seed) {
+  Registration result;
+  result.seed = seed;
+  result.isa = active_isa();
+  result.threads = tbb::this_task_arena::max_concurrency();
+  result.noise_bound = noise_bound;
+  result.consistency_bound = 2.0 * noise_bound;
+  return result;
 }
 
 }  // namespace consimd

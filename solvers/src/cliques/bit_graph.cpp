@@ -4,7 +4,7 @@
 #include <stdexcept>
 #include <string>
 
-#include "cliques/bit_rows.hpp"
+#include "bits/bit_rows.hpp"
 
 namespace consimd {
 namespace {

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "cliques/bit_rows.hpp"
+#include "bits/bit_rows.hpp"
 
 namespace consimd::detail {
 

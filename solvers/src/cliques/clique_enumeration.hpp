@@ -9,7 +9,7 @@
 
 #include <consimd/solvers/bit_graph.hpp>
 
-#include "cliques/bit_rows.hpp"
+#include "bits/bit_rows.hpp"
 
 namespace consimd::detail {
 

@@ -4,7 +4,7 @@
 #include <numeric>
 #include <utility>
 
-#include "cliques/bit_rows.hpp"
+#include "bits/bit_rows.hpp"
 
 namespace consimd::detail {
 

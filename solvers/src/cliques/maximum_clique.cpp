@@ -7,7 +7,7 @@
 #include <algorithm>
 #include <array>
 
-#include "cliques/bit_rows.hpp"
+#include "bits/bit_rows.hpp"
 #include "cliques/clique_branching.hpp"
 #include "cliques/clique_reduction.hpp"
 

@@ -8,7 +8,7 @@
 #include <numeric>
 #include <vector>
 
-#include "cliques/bit_rows.hpp"
+#include "bits/bit_rows.hpp"
 #include "sampling/counter_random.hpp"
 #include "support/points.hpp"
 

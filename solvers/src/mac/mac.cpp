@@ -10,12 +10,13 @@
 #include <optional>
 
 #include <consimd/kernels/alignment_residuals.hpp>
+#include <consimd/kernels/working_length.hpp>
 #include <consimd/poses/rigid_fit.hpp>
 
-#include "call/option_checks.hpp"
-#include "call/stage_clock.hpp"
+#include "call/solver_call.hpp"
 #include "mac/clique_selection.hpp"
-#include "search/set_poses.hpp"
+#include "search/consensus_search.hpp"
+#include "support/pose_candidate.hpp"
 #include "verdict/final_pose.hpp"
 #include "verdict/pose_checks.hpp"
 
@@ -116,7 +117,6 @@ std::size_t choose(const Correspondences& correspondences, std::span<const Hypot
 }
 
 void check(const MacOptions& options) {
-  detail::require_length("noise_bound", options.noise_bound);
   if (!(options.compatibility_distance > 0.0) || !std::isfinite(options.compatibility_distance)) {
     detail::reject_option("compatibility_distance", options.compatibility_distance, "noise bounds, finite and above 0");
   }
@@ -128,26 +128,14 @@ void check(const MacOptions& options) {
   }
 }
 
-}  // namespace
-
-Registration register_mac(const Correspondences& correspondences, const MacOptions& options) {
-  check(options);
-  Registration result = detail::start_registration(options.noise_bound, options.seed);
-  const detail::StageClock clock(result.seconds);
+void solve(const Correspondences& correspondences, const MacOptions& options, Registration& result) {
   const CorrespondenceView view = correspondences.view();
   const std::size_t size = view.size();
-  if (size < 3) {
-    result.status = Status::too_few_correspondences;
-    return result;
-  }
   detail::require_whole_matrix(options.matrix_budget_bytes, size);
 
   StageReport clique_report{"maximal_cliques", size};
   StageReport hypothesis_report{"hypotheses", size};
-  StageReport refinement_report{"irls", size};
-  // As the kernels bound lengths in the working frame.
-  const double distance =
-      std::clamp(options.compatibility_distance * options.noise_bound * view.scale(), 1e-9, 16.0) / view.scale();
+  const double distance = working_length(view, options.compatibility_distance * options.noise_bound) / view.scale();
   std::optional<detail::CompatibilityGraph> graph;
   detail::SelectedCliques selected;
   {
@@ -177,21 +165,20 @@ Registration register_mac(const Correspondences& correspondences, const MacOptio
   hypothesis_report.output = poses.best().support.count;
   hypothesis_report.iterations = selected.cliques.size();
 
-  // Tested as if the default search had found it from all of its seeds, which finds poses of chance at least as well.
-  const TcfOptions test_options{
-      .noise_bound = options.noise_bound, .seed = options.seed, .bounds_tried = options.bounds_tried};
-  detail::FinalPose final;
-  if (poses.best().support.count >= 3) {
-    const detail::StageClock stage(refinement_report.seconds);
-    final = detail::finish(correspondences, test_options, poses.best(), static_cast<std::uint32_t>(size));
-  }
   const auto unexplained = [&](std::uint32_t row) { return !poses.best_explains(row); };
   const bool confident = std::ranges::count_if(selected.cut_short, unexplained) <= poses.best().support.count;
-  detail::conclude(correspondences, test_options, poses, best_set, final, confident, result);
-  refinement_report.output = result.inliers.size();
-  refinement_report.iterations = final.rounds;
-  result.stages = {clique_report, hypothesis_report, refinement_report};
-  return result;
+  result.stages = {clique_report, hypothesis_report};
+  const detail::PoseTest test =
+      detail::pose_test({.noise_bound = options.noise_bound, .seed = options.seed}, options.bounds_tried);
+  detail::finish_and_conclude(correspondences, test, poses, best_set, confident, result);
+}
+
+}  // namespace
+
+Registration register_mac(const Correspondences& correspondences, const MacOptions& options) {
+  check(options);
+  return detail::run_solver(correspondences, options.noise_bound, options.seed,
+                            [&](Registration& result) { solve(correspondences, options, result); });
 }
 
 }  // namespace consimd

@@ -57,12 +57,8 @@ struct Attempt {
   double log10_false_poses;
 };
 
-TcfOptions options_for(double bound, std::uint64_t seed) {
-  TcfOptions options;
-  options.noise_bound = bound;
-  options.seed = seed;
-  options.max_seeds = kSeeds;
-  return options;
+detail::ConsensusSearchOptions options_for(double bound, std::uint64_t seed) {
+  return {.noise_bound = bound, .seed = seed, .max_seeds = kSeeds};
 }
 
 // By the closed form of the significance.
@@ -72,8 +68,7 @@ std::vector<Attempt> attempts(const Correspondences& correspondences, double lea
   int since_least = 0;
   double bound = least_bound;
   for (std::uint32_t b = 0; b < kBounds && since_least < kPatience; ++b, bound *= 2.0) {
-    const TcfOptions options = options_for(bound, seed);
-    detail::ConsensusSearch search(correspondences, options);
+    detail::ConsensusSearch search(correspondences, options_for(bound, seed));
     search.run(false);
     const detail::PoseCandidate& best = search.best();
     if (best.support.count < 3) continue;
@@ -105,9 +100,9 @@ NoiseBoundEstimate estimate_noise_bound(const Correspondences& correspondences, 
             kBounds};
   }
   for (Attempt& attempt : tried) {
-    attempt.log10_false_poses =
-        detail::log10_false_poses(correspondences, options_for(attempt.bound, seed), attempt.best, attempt.seeds,
-                                  significance(correspondences, attempt.best.pose, attempt.bound, seed));
+    attempt.log10_false_poses = detail::log10_false_poses(
+        correspondences, detail::pose_test(options_for(attempt.bound, seed), kBounds), attempt.best, attempt.seeds,
+        significance(correspondences, attempt.best.pose, attempt.bound, seed));
   }
   chosen = std::ranges::min_element(tried, {}, by_chance);
   return {chosen->bound, chosen->log10_false_poses + bounds, kBounds};  // too few supporters to measure

@@ -11,11 +11,10 @@
 #include <consimd/kernels/length_ratio.hpp>
 #include <consimd/kernels/three_point_fit.hpp>
 #include <consimd/solvers/significance.hpp>
-#include <consimd/solvers/tcf.hpp>
 
-#include "call/option_checks.hpp"
-#include "call/stage_clock.hpp"
+#include "call/solver_call.hpp"
 #include "scale/scaled_registration.hpp"
+#include "search/consensus_search.hpp"
 #include "search/matrix_sample.hpp"
 #include "support/hypothesis_selection.hpp"
 #include "verdict/chance_search.hpp"
@@ -54,6 +53,10 @@ void check(const Pcr99Options& options) {
 // So many noise bounds as a length that the kernels take.
 double length_of(double tolerance, const Pcr99Options& options) {
   return std::min(tolerance * options.noise_bound, 1e300);
+}
+
+detail::PoseTest test_of(const Pcr99Options& options) {
+  return detail::pose_test({.noise_bound = options.noise_bound, .seed = options.seed}, options.bounds_tried);
 }
 
 /// The search among some of the correspondences, best first.
@@ -109,9 +112,8 @@ class Search {
   // As the final pose is judged.
   [[nodiscard]] bool is_significant() const {
     const detail::PoseCandidate& best = poses_.best();
-    const TcfOptions test_options{.noise_bound = options_.noise_bound, .seed = options_.seed};
     const Significance closed_form = significance(correspondences_, best.pose, options_.noise_bound, options_.seed);
-    return detail::log10_false_poses(correspondences_, test_options, best,
+    return detail::log10_false_poses(correspondences_, test_of(options_), best,
                                      static_cast<std::uint32_t>(correspondences_.size()), closed_form) +
                std::log10(std::max(options_.bounds_tried, 1U)) <
            detail::kSignificant;
@@ -133,15 +135,8 @@ class Search {
   bool significant_ = false;
 };
 
-Registration register_at_known_scale(const Correspondences& correspondences, const Pcr99Options& options) {
-  const double tau = options.noise_bound;
-  Registration result = detail::start_registration(tau, options.seed);
-  const detail::StageClock clock(result.seconds);
+void solve(const Correspondences& correspondences, const Pcr99Options& options, Registration& result) {
   const std::size_t size = correspondences.size();
-  if (size < 3) {
-    result.status = Status::too_few_correspondences;
-    return result;
-  }
   StageReport ranking{"ranking", size, size, size};
   std::vector<std::uint32_t> order(size);
   {
@@ -167,10 +162,12 @@ Registration register_at_known_scale(const Correspondences& correspondences, con
   search.triples.input = kept;
   search.triples.output = search.poses().best().support.count;
   result.stages = {ranking, search.pairs, search.triples};
-  detail::finish_and_conclude(correspondences,
-                              {.noise_bound = tau, .seed = options.seed, .bounds_tried = options.bounds_tried},
-                              search.poses(), search.best_set(), confident, result);
-  return result;
+  detail::finish_and_conclude(correspondences, test_of(options), search.poses(), search.best_set(), confident, result);
+}
+
+Registration register_at_known_scale(const Correspondences& correspondences, const Pcr99Options& options) {
+  return detail::run_solver(correspondences, options.noise_bound, options.seed,
+                            [&](Registration& result) { solve(correspondences, options, result); });
 }
 
 }  // namespace

@@ -9,7 +9,7 @@
 
 #include <consimd/solvers/pcr99.hpp>
 
-#include "cliques/bit_rows.hpp"
+#include "bits/bit_rows.hpp"
 
 namespace consimd {
 namespace {

@@ -9,10 +9,11 @@
 
 #include <consimd/kernels/alignment_residuals.hpp>
 #include <consimd/kernels/three_point_fit.hpp>
+#include <consimd/kernels/working_length.hpp>
 
 #include "sampling/sampling.hpp"
-#include "search/set_poses.hpp"
 #include "support/points.hpp"
+#include "support/pose_candidate.hpp"
 #include "verdict/pose_checks.hpp"
 
 namespace consimd::detail {
@@ -44,9 +45,8 @@ ThreePointSearch::ThreePointSearch(const Correspondences& correspondences, const
       options_(options),
       poses_(correspondences, options.noise_bound),
       wanted_(options.max_iterations) {
-  // As the kernels bound lengths in the working frame, of which 16 exceeds all.
-  const auto tolerance = static_cast<float>(
-      std::clamp(options.length_tolerance * options.noise_bound * correspondences.scale(), 1e-9, 16.0));
+  const auto tolerance =
+      static_cast<float>(working_length(correspondences, options.length_tolerance * options.noise_bound));
   squared_tolerance_ = tolerance * tolerance;
   std::vector<std::uint32_t> rows(correspondences.size() / kPreviewed);
   if (rows.size() < kLeastPreview) return;

@@ -11,6 +11,7 @@
 #include <consimd/solvers/ransac.hpp>
 #include <consimd/solvers/sc2_pcr.hpp>
 #include <consimd/solvers/tcf.hpp>
+#include <consimd/solvers/tcf_published.hpp>
 #include <consimd/solvers/teaser.hpp>
 #include <consimd/solvers/turboreg.hpp>
 
@@ -71,12 +72,10 @@ Registration run_on(std::string_view solver, const Correspondences& corresponden
   if (solver == "mac") {
     return register_mac(correspondences, {.noise_bound = noise_bound, .seed = seed, .bounds_tried = bounds_tried});
   }
-  TcfOptions options;
-  if (solver == "tcf-published") options = TcfOptions::as_published(noise_bound, seed);
-  options.noise_bound = noise_bound;
-  options.seed = seed;
-  options.bounds_tried = bounds_tried;
-  return register_tcf(correspondences, options);
+  if (solver == "tcf-published") {
+    return register_tcf_published(correspondences, {.noise_bound = noise_bound, .seed = seed});
+  }
+  return register_tcf(correspondences, {.noise_bound = noise_bound, .seed = seed, .bounds_tried = bounds_tried});
 }
 
 constexpr Filter kFilters[] = {Filter::none, Filter::tcf};

@@ -3,8 +3,8 @@
 #include <cmath>
 #include <utility>
 
-#include "call/option_checks.hpp"
-#include "call/stage_clock.hpp"
+#include "call/solver_call.hpp"
+#include "search/consensus_search.hpp"
 #include "search/matrix_sample.hpp"
 #include "support/hypothesis_selection.hpp"
 #include "verdict/chance_search.hpp"
@@ -15,7 +15,6 @@ namespace consimd {
 namespace {
 
 void check(const Sc2PcrOptions& options) {
-  detail::require_length("noise_bound", options.noise_bound);
   detail::require_length("length_tolerance", options.length_tolerance);
   detail::require_length("seed_radius", options.seed_radius);
   if (!(options.seed_share > 0.0 && options.seed_share <= 1.0)) {
@@ -31,22 +30,13 @@ void check(const Sc2PcrOptions& options) {
   detail::require_matrix_budget(options.matrix_budget_bytes, 2);
 }
 
-}  // namespace
-
-Registration register_sc2_pcr(const Correspondences& correspondences, const Sc2PcrOptions& options) {
-  check(options);
+void solve(const Correspondences& correspondences, const Sc2PcrOptions& options, Registration& result) {
   const double tau = options.noise_bound;
-  Registration result = detail::start_registration(tau, options.seed);
-  const detail::StageClock clock(result.seconds);
   const std::size_t size = correspondences.size();
-  if (size < 3) {
-    result.status = Status::too_few_correspondences;
-    return result;
-  }
   StageReport compatibility{"compatibility", size};
   StageReport seeding{"seeds", size};
   StageReport fitting{"consensus_sets", size};
-  StageReport refinement{"irls", size};
+  StageReport refinement{"refinement", size};
 
   const detail::MatrixSample sample(correspondences, 2, options.matrix_budget_bytes, options.seed);
   const Correspondences& rows = sample.correspondences();
@@ -66,7 +56,7 @@ Registration register_sc2_pcr(const Correspondences& correspondences, const Sc2P
   const auto first_seeds = static_cast<std::size_t>(std::ceil(options.seed_share * static_cast<double>(rows.size())));
   detail::BestPoses poses(correspondences, tau);
   std::vector<std::uint32_t> best_set;
-  const TcfOptions test_options{.noise_bound = tau, .seed = options.seed, .bounds_tried = options.bounds_tried};
+  const detail::PoseTest test = detail::pose_test({.noise_bound = tau, .seed = options.seed}, options.bounds_tried);
   detail::FinalPose final;
   // The rest of the correspondences are seeds as well if the first ones lead to no significant pose.
   for (const auto& [begin, end] : {std::pair(std::size_t{0}, first_seeds), std::pair(first_seeds, order.size())}) {
@@ -84,16 +74,23 @@ Registration register_sc2_pcr(const Correspondences& correspondences, const Sc2P
     }
     const detail::StageClock stage_clock(refinement.seconds);
     if (poses.best().support.count >= 3) {
-      final = detail::finish(correspondences, test_options, poses.best(), static_cast<std::uint32_t>(size));
+      final = detail::finish(correspondences, test, poses.best(), static_cast<std::uint32_t>(size));
     }
     if (final.log10_false_poses < detail::kSignificant) break;
   }
-  detail::conclude(correspondences, test_options, poses, best_set, final, true, result);
+  detail::conclude(correspondences, test, poses, best_set, final, true, result);
   seeding.output = fitting.iterations;
   refinement.output = result.inliers.size();
   refinement.iterations = final.rounds;
   result.stages = {compatibility, seeding, fitting, refinement};
-  return result;
+}
+
+}  // namespace
+
+Registration register_sc2_pcr(const Correspondences& correspondences, const Sc2PcrOptions& options) {
+  check(options);
+  return detail::run_solver(correspondences, options.noise_bound, options.seed,
+                            [&](Registration& result) { solve(correspondences, options, result); });
 }
 
 }  // namespace consimd

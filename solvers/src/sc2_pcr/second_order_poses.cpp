@@ -11,7 +11,7 @@
 #include <consimd/poses/rigid_fit.hpp>
 #include <consimd/solvers/sc2_pcr.hpp>
 
-#include "search/pruning.hpp"
+#include "bits/bit_rows.hpp"
 #include "support/points.hpp"
 
 namespace consimd {

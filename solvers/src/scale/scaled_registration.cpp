@@ -3,20 +3,17 @@
 #include <algorithm>
 #include <cmath>
 #include <iterator>
-#include <span>
 #include <utility>
 #include <vector>
 
-#include <consimd/kernels/alignment_residuals.hpp>
 #include <consimd/poses/rigid_fit.hpp>
 #include <consimd/solvers/pose_refinement.hpp>
 #include <consimd/solvers/scale_voting.hpp>
-#include <consimd/solvers/tcf.hpp>
 
-#include "call/option_checks.hpp"
-#include "call/stage_clock.hpp"
+#include "call/solver_call.hpp"
 #include "search/consensus_search.hpp"
 #include "support/best_poses.hpp"
+#include "verdict/ambiguity.hpp"
 #include "verdict/pairing_chances.hpp"
 
 namespace consimd::detail {
@@ -36,12 +33,6 @@ struct Similarity {
   double scale = 1.0;
   RigidTransform T_target_source = RigidTransform::Identity();
 };
-
-PoseCandidate candidate(const Correspondences& scaled, const RigidTransform& T_target_source, double noise_bound) {
-  PoseCandidate result{to_working_pose(to_working_frame(T_target_source, scaled)), {}};
-  alignment_scores(scaled, std::span(&result.pose, 1), noise_bound, std::span(&result.support, 1));
-  return result;
-}
 
 /// Scales that pairs can tell apart: at each only a share of the mismatched pairs agree in length.
 double scales_told_apart(const Correspondences& scaled, double noise_bound, std::uint64_t seed) {
@@ -96,24 +87,13 @@ void add_rival(const std::vector<Trial>& trials, std::size_t best, Registration&
     if (result.runner_up && result.runner_up->support >= run.inliers.size()) continue;
     result.runner_up =
         RunnerUp{run.T_target_source, run.inliers.size(), run.log10_false_poses, trials[t].similarity.scale};
-    if (static_cast<double>(run.inliers.size()) >= kRivalShare * static_cast<double>(result.inliers.size())) {
-      result.status = Status::ambiguous;
-    }
+    if (is_rival(run.inliers.size(), result.inliers.size())) result.status = Status::ambiguous;
   }
 }
 
-}  // namespace
-
-Registration register_scaled(const Correspondences& correspondences, double noise_bound, std::uint32_t bounds_tried,
-                             std::uint64_t seed, Refinement refinement, const KnownScaleSolver& solver) {
-  require_length("noise_bound", noise_bound);
-  Registration result = start_registration(noise_bound, seed);
-  const StageClock clock(result.seconds);
+void solve(const Correspondences& correspondences, double noise_bound, std::uint32_t bounds_tried, std::uint64_t seed,
+           Refinement refinement, const KnownScaleSolver& solver, Registration& result) {
   const std::size_t size = correspondences.size();
-  if (size < 3) {
-    result.status = Status::too_few_correspondences;
-    return result;
-  }
   StageReport voting{"scale_voting", size};
   std::vector<VotedScale> scales;
   {
@@ -140,7 +120,7 @@ Registration register_scaled(const Correspondences& correspondences, double nois
   if (!found.has_pose()) {
     result.status = found.status;
     result.log10_false_poses = found.log10_false_poses;
-    return result;
+    return;
   }
 
   StageReport similarity_report{"similarity", size};
@@ -151,18 +131,17 @@ Registration register_scaled(const Correspondences& correspondences, double nois
       similarity_report.iterations = refine(correspondences, noise_bound, similarity);
     }
     const Correspondences scaled = correspondences.with_scaled_source(similarity.scale);
-    const TcfOptions options{.noise_bound = noise_bound,
-                             .seed = seed,
-                             .bounds_tried = times(bounds_tried, scales_told_apart(scaled, noise_bound, seed))};
+    const PoseTest test = pose_test({.noise_bound = noise_bound, .seed = seed},
+                                    times(bounds_tried, scales_told_apart(scaled, noise_bound, seed)));
     BestPoses poses(scaled, noise_bound);
-    poses.offer(candidate(scaled, similarity.T_target_source, noise_bound));
-    if (found.runner_up) poses.offer(candidate(scaled, found.runner_up->T_target_source, noise_bound));
+    poses.offer(scored(scaled, similarity.T_target_source, noise_bound));
+    if (found.runner_up) poses.offer(scored(scaled, found.runner_up->T_target_source, noise_bound));
     FinalPose final;
     if (poses.best().support.count >= 3) {
-      final = finish(scaled, options, poses.best(), static_cast<std::uint32_t>(size), refinement);
+      final = finish(scaled, test, poses.best(), static_cast<std::uint32_t>(size), refinement);
     }
     // The solver has told that the set is no reflection's.
-    conclude(scaled, options, poses, final.inliers, final, found.status != Status::budget_exhausted, result);
+    conclude(scaled, test, poses, final.inliers, final, found.status != Status::budget_exhausted, result);
     similarity_report.output = result.inliers.size();
     if (result.has_pose()) {
       result.scale = similarity.scale;
@@ -177,7 +156,15 @@ Registration register_scaled(const Correspondences& correspondences, double nois
     }
   }
   result.stages.push_back(similarity_report);
-  return result;
+}
+
+}  // namespace
+
+Registration register_scaled(const Correspondences& correspondences, double noise_bound, std::uint32_t bounds_tried,
+                             std::uint64_t seed, Refinement refinement, const KnownScaleSolver& solver) {
+  return run_solver(correspondences, noise_bound, seed, [&](Registration& result) {
+    solve(correspondences, noise_bound, bounds_tried, seed, refinement, solver, result);
+  });
 }
 
 }  // namespace consimd::detail

@@ -7,6 +7,7 @@
 
 #include "call/stage_clock.hpp"
 #include "sampling/sampling.hpp"
+#include "verdict/ambiguity.hpp"
 #include "verdict/chance_search.hpp"
 
 namespace consimd::detail {
@@ -26,7 +27,7 @@ bool lower_score(const PoseCandidate& a, const PoseCandidate& b) { return a.supp
 
 }  // namespace
 
-ConsensusSearch::ConsensusSearch(const Correspondences& correspondences, const TcfOptions& options)
+ConsensusSearch::ConsensusSearch(const Correspondences& correspondences, const ConsensusSearchOptions& options)
     : correspondences_(correspondences),
       options_(options),
       sets_(correspondences, 2.0 * options.noise_bound, options.seed, options.matrix_budget_bytes),
@@ -95,6 +96,18 @@ void ConsensusSearch::fit_sets(std::span<const std::uint32_t> positions) {
   if (!improved) return;
   settled_ = significance(correspondences_, best().pose, options_.noise_bound, options_.seed, Scrutiny::glance);
   if (settled_->log10_false_poses > kSure) settled_.reset();
+}
+
+PoseTest pose_test(const ConsensusSearchOptions& options, std::uint32_t bounds_tried) {
+  const auto best_score = [options](const Correspondences& correspondences, std::uint64_t seed, std::uint32_t seeds) {
+    ConsensusSearchOptions repeated = options;
+    repeated.seed = seed;
+    repeated.max_seeds = seeds;
+    ConsensusSearch search(correspondences, repeated);
+    search.run(false);
+    return static_cast<double>(search.best().support.score);
+  };
+  return {options.noise_bound, options.seed, bounds_tried, best_score};
 }
 
 }  // namespace consimd::detail

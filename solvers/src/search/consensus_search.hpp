@@ -1,4 +1,4 @@
-// The search of the default TCF: rounds of seeds, their sets, the poses of these.
+// The consensus search, that of the default TCF: rounds of seeds, their sets, the poses of these.
 #pragma once
 
 #include <cstdint>
@@ -8,21 +8,26 @@
 
 #include <consimd/kernels/correspondences.hpp>
 #include <consimd/solvers/significance.hpp>
-#include <consimd/solvers/tcf.hpp>
 
 #include "search/seed_sets.hpp"
 #include "search/set_poses.hpp"
 #include "support/best_poses.hpp"
+#include "verdict/pose_test.hpp"
 
 namespace consimd::detail {
 
-/// Share of the best pose's support from which another motion makes the result ambiguous.
-inline constexpr double kRivalShare = 0.8;
+struct ConsensusSearchOptions {
+  double noise_bound = 0.0;  ///< caller's unit
+  std::uint64_t seed = 1;
+  double confidence = 0.99;  ///< that a seed of the pose with the largest support has been drawn
+  std::uint32_t max_seeds = 10'000;
+  std::size_t matrix_budget_bytes = std::size_t{64} << 20;
+};
 
 class ConsensusSearch {
  public:
-  /// Keeps references to both.
-  ConsensusSearch(const Correspondences& correspondences, const TcfOptions& options);
+  /// Keeps a reference to the correspondences.
+  ConsensusSearch(const Correspondences& correspondences, const ConsensusSearchOptions& options);
 
   /// Draws rounds of seeds until one of the best pose's supporters has been among them with the wanted confidence, or,
   /// if `exhaustive`, all of them, again and with more care.
@@ -51,7 +56,7 @@ class ConsensusSearch {
   void fit_sets(std::span<const std::uint32_t> positions);
 
   const Correspondences& correspondences_;
-  const TcfOptions& options_;
+  ConsensusSearchOptions options_;
   SeedSets sets_;
   BestPoses poses_;
   std::vector<std::uint32_t> best_set_;
@@ -61,5 +66,9 @@ class ConsensusSearch {
   double three_point_seconds_ = 0.0;
   std::uint64_t minimal_fits_ = 0;
 };
+
+/// The test of a pose against what this search finds in random pairings: for this solver's poses, and for those of
+/// others as well, since it finds poses of chance at least as well as they do. `bounds_tried`: as in PoseTest.
+PoseTest pose_test(const ConsensusSearchOptions& options, std::uint32_t bounds_tried);
 
 }  // namespace consimd::detail

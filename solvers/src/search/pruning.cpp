@@ -1,7 +1,6 @@
 #include "search/pruning.hpp"
 
 #include <algorithm>
-#include <bit>
 #include <cmath>
 #include <numeric>
 
@@ -49,16 +48,6 @@ void subtract_chance(const ConsistencyMatrix& matrix, std::span<const std::uint3
 }
 
 }  // namespace
-
-void members_of(std::span<const std::uint64_t> bits, std::vector<std::uint32_t>& rows) {
-  rows.resize(popcount(bits));
-  auto next = rows.begin();
-  for (std::size_t w = 0; w < bits.size(); ++w) {
-    for (std::uint64_t word = bits[w]; word != 0; word &= word - 1) {
-      *next++ = static_cast<std::uint32_t>(w * kBlock + static_cast<std::size_t>(std::countr_zero(word)));
-    }
-  }
-}
 
 void prune(const ConsistencyMatrix& matrix, std::vector<std::uint32_t>& members, std::uint32_t give_up_below,
            Merit merit, PruneScratch& scratch) {

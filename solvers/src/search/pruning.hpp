@@ -11,9 +11,6 @@
 
 namespace consimd::detail {
 
-/// Appends the positions of the ones of `bits` to `rows` (cleared first), ascending.
-void members_of(std::span<const std::uint64_t> bits, std::vector<std::uint32_t>& rows);
-
 /// What a member of a set is worth.
 enum class Merit : std::uint8_t {
   degree,  ///< its degree within the set

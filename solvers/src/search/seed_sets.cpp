@@ -10,6 +10,7 @@
 
 #include <consimd/kernels/length_consistency.hpp>
 
+#include "bits/bit_rows.hpp"
 #include "call/stage_clock.hpp"
 
 namespace consimd::detail {

@@ -4,12 +4,10 @@
 #include <array>
 
 #include <consimd/kernels/alignment_residuals.hpp>
-#include <consimd/kernels/rigid_moments.hpp>
 #include <consimd/kernels/three_point_fit.hpp>
 #include <consimd/poses/rigid_fit.hpp>
 
 #include "sampling/sampling.hpp"
-#include "search/pruning.hpp"
 #include "support/row_blocks.hpp"
 
 namespace consimd::detail {
@@ -22,14 +20,6 @@ constexpr float kPromisingShare = 0.07F;
 constexpr float kSupportShare = 0.3F;
 constexpr float kEnoughShare = 0.2F;
 constexpr std::size_t kGlances = 16;
-// Bounds of the refits, in noise bounds: wide first, since the start may be off by more than the noise.
-constexpr std::array kLocalBounds{1.5, 1.25, 1.0, 1.0, 1.0};
-constexpr double kNeighbourhood = 3.0;  // in noise bounds
-constexpr double kSmallPart = 0.25;
-
-RigidFit truncated_fit(const CorrespondenceView& view, const WorkingPose& pose, double bound) {
-  return rigid_fit(row_blocks::robust_moments(view, pose, {WeightFunction::truncated, bound, bound, 0.0}));
-}
 
 }  // namespace
 
@@ -65,7 +55,7 @@ PoseCandidate pose_of_set(const Correspondences& correspondences, const std::vec
   const WorkingPose minimal = scratch.poses[static_cast<std::size_t>(best - scratch.support.begin())];
   std::array<WorkingPose, 2> poses{minimal, minimal};
   for (int round = 0; round < 2; ++round) {
-    const RigidFit fit = truncated_fit(subset, poses[1], noise_bound);
+    const RigidFit fit = row_blocks::truncated_fit(subset, poses[1], noise_bound);
     if (!fit.determined()) break;
     poses[1] = to_working_pose(fit.pose);
   }
@@ -89,34 +79,6 @@ float score_at_a_glance(const Correspondences& correspondences, std::span<const 
   three_point_fits(scratch.subset, scratch.triples, scratch.poses);
   alignment_scores(scratch.subset, scratch.poses, noise_bound, scratch.support);
   return std::ranges::max_element(scratch.support, {}, &PoseSupport::score)->score;
-}
-
-PoseCandidate locally_optimise(const Correspondences& correspondences, const PoseCandidate& start, double noise_bound) {
-  const CorrespondenceView view = correspondences.view();
-  // Refits look at the neighbourhood alone where that is a small part.
-  Correspondences near;
-  if (start.support.count < kSmallPart * static_cast<double>(view.size())) {
-    near = correspondences.subset(pose_inliers(view, start.pose, kNeighbourhood * noise_bound));
-  }
-  const CorrespondenceView refitted = near.size() == 0 ? view : near.view();
-  PoseCandidate best = start;
-  PoseCandidate current = start;
-  for (const double bound : kLocalBounds) {
-    const RigidFit fit = truncated_fit(refitted, current.pose, bound * noise_bound);
-    if (!fit.determined()) break;
-    current.pose = to_working_pose(fit.pose);
-    row_blocks::alignment_scores(view, std::span(&current.pose, 1), noise_bound, std::span(&current.support, 1));
-    if (current.support.score > best.support.score) best = current;
-  }
-  return best;
-}
-
-std::vector<std::uint32_t> pose_inliers(const CorrespondenceView& view, const WorkingPose& pose, double noise_bound) {
-  std::vector<std::uint64_t> bits(view.words());
-  std::vector<std::uint32_t> inliers;
-  inliers.reserve(row_blocks::alignment_bits(view, pose, noise_bound, bits));
-  members_of(bits, inliers);
-  return inliers;
 }
 
 }  // namespace consimd::detail

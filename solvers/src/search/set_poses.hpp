@@ -1,4 +1,4 @@
-// Three-point part of the default TCF: poses of pruned consensus sets, and who supports a pose.
+// Three-point part of the default TCF: poses of pruned consensus sets.
 #pragma once
 
 #include <cstdint>
@@ -8,13 +8,9 @@
 #include <consimd/kernels/correspondences.hpp>
 #include <consimd/kernels/kernel_data.hpp>
 
-namespace consimd::detail {
+#include "support/pose_candidate.hpp"
 
-/// A pose and its support among all correspondences.
-struct PoseCandidate {
-  WorkingPose pose{};
-  PoseSupport support{};
-};
+namespace consimd::detail {
 
 /// Minimal fits drawn from each set, at most.
 inline constexpr std::uint32_t kTriplesPerSet = 160;
@@ -39,12 +35,5 @@ PoseCandidate pose_of_set(const Correspondences& correspondences, const std::vec
 /// of the others.
 float score_at_a_glance(const Correspondences& correspondences, std::span<const std::uint32_t> set, double noise_bound,
                         PoseScratch& scratch);
-
-/// Refits `start` to the correspondences within a bound that shrinks to `noise_bound`, and returns the pose of best
-/// score met on the way.
-PoseCandidate locally_optimise(const Correspondences& correspondences, const PoseCandidate& start, double noise_bound);
-
-/// Rows within `noise_bound` of `pose`, ascending.
-std::vector<std::uint32_t> pose_inliers(const CorrespondenceView& view, const WorkingPose& pose, double noise_bound);
 
 }  // namespace consimd::detail

@@ -7,6 +7,7 @@
 
 #include "support/points.hpp"
 #include "support/row_blocks.hpp"
+#include "support/source_scatter.hpp"
 
 namespace consimd::detail {
 namespace {
@@ -22,16 +23,13 @@ bool BestPoses::same_motion_as_best(const WorkingPose& pose) const {
   const RigidMoments& s = best_supporters_;
   if (s.weight == 0.0) return false;
   const Eigen::Vector3d mean = Eigen::Vector3d(s.source) / s.weight;
-  Eigen::Matrix3d scatter;
-  scatter << s.source_scatter[0], s.source_scatter[1], s.source_scatter[2], s.source_scatter[1], s.source_scatter[3],
-      s.source_scatter[4], s.source_scatter[2], s.source_scatter[4], s.source_scatter[5];
   const RigidTransform one = from_working_pose(best_.pose);
   const RigidTransform other = from_working_pose(pose);
   const Eigen::Matrix3d turn = other.linear() - one.linear();
   const Eigen::Vector3d shift = other.translation() - one.translation();
   // mean of |turn p + shift|^2
-  const double square =
-      (turn * scatter * turn.transpose()).trace() / s.weight + 2.0 * shift.dot(turn * mean) + shift.squaredNorm();
+  const double square = (turn * source_scatter(s) * turn.transpose()).trace() / s.weight +
+                        2.0 * shift.dot(turn * mean) + shift.squaredNorm();
   const double limit = kSameMotion * noise_bound_ * correspondences_.scale();
   return square < limit * limit;
 }

@@ -4,7 +4,7 @@
 #include <consimd/kernels/correspondences.hpp>
 #include <consimd/kernels/kernel_data.hpp>
 
-#include "search/set_poses.hpp"
+#include "support/pose_candidate.hpp"
 
 namespace consimd::detail {
 

@@ -9,7 +9,7 @@
 
 #include <consimd/kernels/alignment_residuals.hpp>
 
-#include "search/set_poses.hpp"
+#include "support/pose_candidate.hpp"
 
 namespace consimd::detail {
 namespace {

@@ -100,4 +100,8 @@ RigidMoments robust_moments(const CorrespondenceView& view, const WorkingPose& p
   return sum;
 }
 
+RigidFit truncated_fit(const CorrespondenceView& view, const WorkingPose& pose, double bound) {
+  return rigid_fit(row_blocks::robust_moments(view, pose, {WeightFunction::truncated, bound, bound, 0.0}));
+}
+
 }  // namespace consimd::detail::row_blocks

@@ -7,6 +7,7 @@
 #include <consimd/kernels/alignment_residuals.hpp>
 #include <consimd/kernels/correspondences.hpp>
 #include <consimd/kernels/rigid_moments.hpp>
+#include <consimd/poses/rigid_fit.hpp>
 
 namespace consimd::detail::row_blocks {
 
@@ -23,5 +24,8 @@ void mismatched_counts(const CorrespondenceView& view, const WorkingPose& pose, 
                        std::span<const std::uint32_t> shifts, std::span<std::uint32_t> counts);
 [[nodiscard]] RigidMoments robust_moments(const CorrespondenceView& view, const WorkingPose& pose,
                                           const RobustWeight& weight);
+
+/// The least-squares pose of the rows within `bound` of `pose`.
+[[nodiscard]] RigidFit truncated_fit(const CorrespondenceView& view, const WorkingPose& pose, double bound);
 
 }  // namespace consimd::detail::row_blocks

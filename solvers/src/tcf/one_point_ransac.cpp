@@ -7,6 +7,7 @@
 
 #include <consimd/kernels/length_consistency.hpp>
 
+#include "bits/bit_rows.hpp"
 #include "call/option_checks.hpp"
 #include "sampling/sampling.hpp"
 #include "search/pruning.hpp"

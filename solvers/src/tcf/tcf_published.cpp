@@ -1,4 +1,4 @@
-#include "tcf/tcf_published.hpp"
+#include <consimd/solvers/tcf_published.hpp>
 
 #include <utility>
 
@@ -7,17 +7,18 @@
 #include <consimd/solvers/three_point_ransac.hpp>
 #include <consimd/solvers/two_point_ransac.hpp>
 
-#include "call/stage_clock.hpp"
-#include "search/set_poses.hpp"
+#include "call/solver_call.hpp"
+#include "support/pose_candidate.hpp"
 
-namespace consimd::detail {
+namespace consimd {
+namespace {
 
-void register_tcf_published(const Correspondences& correspondences, const TcfOptions& options, Registration& result) {
+void solve(const Correspondences& correspondences, const TcfPublishedOptions& options, Registration& result) {
   const double tau = options.noise_bound;
   const auto run_stage = [&](std::string name, std::size_t input, auto&& stage) {
     StageReport report{std::move(name), input};
     {
-      const StageClock clock(report.seconds);
+      const detail::StageClock clock(report.seconds);
       stage(report);
     }
     result.stages.push_back(std::move(report));
@@ -27,7 +28,7 @@ void register_tcf_published(const Correspondences& correspondences, const TcfOpt
   run_stage("one_point", correspondences.size(), [&](StageReport& report) {
     one = one_point_ransac(correspondences, {.consistency_bound = 2.0 * tau,
                                              .confidence = options.confidence,
-                                             .max_iterations = options.max_seeds,
+                                             .max_iterations = options.max_iterations,
                                              .prune = false,
                                              .seed = options.seed});
     report.output = one.members.size();
@@ -40,7 +41,7 @@ void register_tcf_published(const Correspondences& correspondences, const TcfOpt
                            {.consistency_bound = 2.0 * tau,
                             .angle_bound = tau,
                             .confidence = options.confidence,
-                            .max_iterations = options.max_seeds,
+                            .max_iterations = options.max_iterations,
                             .angle_test = AngleTest::as_printed,
                             .prune = false,
                             .seed = options.seed});
@@ -53,7 +54,7 @@ void register_tcf_published(const Correspondences& correspondences, const TcfOpt
     three = three_point_ransac(correspondences, two.members,
                                {.noise_bound = tau,
                                 .confidence = options.confidence,
-                                .max_iterations = options.max_seeds,
+                                .max_iterations = options.max_iterations,
                                 .seed = options.seed});
     report.output = three.consensus.members.size();
     report.iterations = three.consensus.iterations;
@@ -75,7 +76,15 @@ void register_tcf_published(const Correspondences& correspondences, const TcfOpt
   }
   result.status = Status::success;
   result.T_target_source = to_caller_frame(irls.fit.pose, correspondences);
-  result.inliers = pose_inliers(correspondences.view(), to_working_pose(irls.fit.pose), tau);
+  result.inliers = detail::pose_inliers(correspondences.view(), to_working_pose(irls.fit.pose), tau);
 }
 
-}  // namespace consimd::detail
+}  // namespace
+
+Registration register_tcf_published(const Correspondences& correspondences, const TcfPublishedOptions& options) {
+  detail::require_confidence(options.confidence);
+  return detail::run_solver(correspondences, options.noise_bound, options.seed,
+                            [&](Registration& result) { solve(correspondences, options, result); });
+}
+
+}  // namespace consimd

@@ -9,7 +9,7 @@
 
 #include "call/option_checks.hpp"
 #include "sampling/sampling.hpp"
-#include "search/set_poses.hpp"
+#include "support/pose_candidate.hpp"
 
 namespace consimd {
 

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include <consimd/kernels/working_length.hpp>
 #include <consimd/poses/rigid_fit.hpp>
 
 #include "call/option_checks.hpp"
@@ -111,7 +112,7 @@ GncRotation gnc_rotation(const Correspondences& correspondences, std::span<const
   if (members.size() < 3) return result;
   const Differences differences(correspondences.view(), members, options.pairs);
   result.measurements = differences.size();
-  const double bound = std::max(options.difference_bound * correspondences.scale(), 1e-9);  // as the kernels bound it
+  const double bound = working_length(correspondences, options.difference_bound);
   const double squared_bound = bound * bound;
 
   Eigen::Matrix3d rotation = Eigen::Matrix3d::Identity();

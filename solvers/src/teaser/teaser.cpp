@@ -5,20 +5,24 @@
 #include <cmath>
 #include <numeric>
 
-#include <consimd/kernels/alignment_residuals.hpp>
 #include <consimd/kernels/consistency_matrix.hpp>
+#include <consimd/kernels/working_length.hpp>
 #include <consimd/solvers/adaptive_voting.hpp>
 #include <consimd/solvers/maximum_clique.hpp>
 
-#include "call/option_checks.hpp"
-#include "call/stage_clock.hpp"
+#include "call/solver_call.hpp"
 #include "scale/scaled_registration.hpp"
 #include "search/consensus_search.hpp"
-#include "search/set_poses.hpp"
+#include "support/pose_candidate.hpp"
+#include "verdict/ambiguity.hpp"
 #include "verdict/final_pose.hpp"
 
 namespace consimd {
 namespace {
+
+detail::Refinement refinement_of(const TeaserOptions& options) {
+  return options.refine ? detail::Refinement::full : detail::Refinement::none;
+}
 
 /// The correspondences that TEASER estimates from.
 struct Selected {
@@ -55,7 +59,7 @@ struct TranslationVote {
 TranslationVote vote_translation(const CorrespondenceView& view, std::span<const std::uint32_t> rows,
                                  const Eigen::Matrix3d& rotation, double noise_bound) {
   TranslationVote result;
-  const std::vector<double> bounds(rows.size(), std::max(noise_bound * view.scale(), 1e-9));
+  const std::vector<double> bounds(rows.size(), working_length(view, noise_bound));
   std::vector<double> values(rows.size());
   std::vector<int> votes(view.size(), 0);
   for (int axis = 0; axis < 3; ++axis) {
@@ -100,10 +104,10 @@ Estimate estimate(const Correspondences& correspondences, std::span<const std::u
   RigidTransform pose = RigidTransform::Identity();
   pose.linear() = rotation.rotation;
   pose.translation() = Eigen::Map<const Eigen::Vector3d>(vote.translation.data());
-  detail::PoseCandidate& candidate = result.candidate;
-  candidate.pose = to_working_pose(pose);
-  alignment_scores(view, std::span(&candidate.pose, 1), options.noise_bound, std::span(&candidate.support, 1));
-  if (options.refine) candidate = detail::locally_optimise(correspondences, candidate, options.noise_bound);
+  result.candidate = detail::scored(view, to_working_pose(pose), options.noise_bound);
+  if (options.refine) {
+    result.candidate = detail::locally_optimise(correspondences, result.candidate, options.noise_bound);
+  }
   return result;
 }
 
@@ -126,14 +130,8 @@ void look_for_rival(const Correspondences& correspondences, const TeaserOptions&
   poses.offer(estimate(correspondences, rows, options).candidate);
 }
 
-Registration register_at_known_scale(const Correspondences& correspondences, const TeaserOptions& options) {
-  Registration result = detail::start_registration(options.noise_bound, options.seed);
-  const detail::StageClock clock(result.seconds);
+void solve(const Correspondences& correspondences, const TeaserOptions& options, Registration& result) {
   const std::size_t size = correspondences.size();
-  if (size < 3) {
-    result.status = Status::too_few_correspondences;
-    return result;
-  }
   StageReport selection_report{"maximum_clique", size};
   Selected selected;
   {
@@ -162,21 +160,15 @@ Registration register_at_known_scale(const Correspondences& correspondences, con
     result.stages.push_back(rival_report);
   }
 
-  // Tested as if the default search had found it from all of its seeds, which finds poses of chance at least as well.
-  const TcfOptions test_options{
-      .noise_bound = options.noise_bound, .seed = options.seed, .bounds_tried = options.bounds_tried};
-  StageReport refinement_report{options.refine ? "irls" : "significance", size};
-  detail::FinalPose final;
-  if (poses.best().support.count >= 3) {
-    const detail::StageClock stage(refinement_report.seconds);
-    final = detail::finish(correspondences, test_options, poses.best(), static_cast<std::uint32_t>(size),
-                           options.refine ? detail::Refinement::full : detail::Refinement::none);
-  }
-  detail::conclude(correspondences, test_options, poses, selected.rows, final, selected.proven, result);
-  refinement_report.output = result.inliers.size();
-  refinement_report.iterations = final.rounds;
-  result.stages.push_back(refinement_report);
-  return result;
+  const detail::PoseTest test =
+      detail::pose_test({.noise_bound = options.noise_bound, .seed = options.seed}, options.bounds_tried);
+  detail::finish_and_conclude(correspondences, test, poses, selected.rows, selected.proven, result,
+                              refinement_of(options));
+}
+
+Registration register_at_known_scale(const Correspondences& correspondences, const TeaserOptions& options) {
+  return detail::run_solver(correspondences, options.noise_bound, options.seed,
+                            [&](Registration& result) { solve(correspondences, options, result); });
 }
 
 }  // namespace
@@ -186,8 +178,7 @@ Registration register_teaser(const Correspondences& correspondences, const Tease
   detail::require_whole_matrix(options.matrix_budget_bytes, correspondences.size());
   if (!options.estimate_scale) return register_at_known_scale(correspondences, options);
   return detail::register_scaled(correspondences, options.noise_bound, options.bounds_tried, options.seed,
-                                 options.refine ? detail::Refinement::full : detail::Refinement::none,
-                                 [&](const Correspondences& scaled, std::uint32_t tried) {
+                                 refinement_of(options), [&](const Correspondences& scaled, std::uint32_t tried) {
                                    TeaserOptions known = options;
                                    known.bounds_tried = tried;
                                    return register_at_known_scale(scaled, known);

@@ -10,7 +10,7 @@
 
 #include <consimd/solvers/turboreg.hpp>
 
-#include "search/pruning.hpp"
+#include "bits/bit_rows.hpp"
 
 namespace consimd {
 namespace {

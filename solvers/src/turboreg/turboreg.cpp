@@ -5,8 +5,8 @@
 
 #include <consimd/kernels/three_point_fit.hpp>
 
-#include "call/option_checks.hpp"
-#include "call/stage_clock.hpp"
+#include "call/solver_call.hpp"
+#include "search/consensus_search.hpp"
 #include "search/matrix_sample.hpp"
 #include "support/hypothesis_selection.hpp"
 #include "verdict/final_pose.hpp"
@@ -18,7 +18,6 @@ namespace {
 constexpr std::size_t kFitsPerTask = 64;
 
 void check(const TurboRegOptions& options) {
-  detail::require_length("noise_bound", options.noise_bound);
   detail::require_length("length_tolerance", options.length_tolerance);
   detail::require_length("separation", options.separation);
   detail::require_above_zero("pivots", options.pivots);
@@ -35,18 +34,9 @@ std::vector<WorkingPose> fit(const Correspondences& correspondences, std::span<c
   return poses;
 }
 
-}  // namespace
-
-Registration register_turboreg(const Correspondences& correspondences, const TurboRegOptions& options) {
-  check(options);
+void solve(const Correspondences& correspondences, const TurboRegOptions& options, Registration& result) {
   const double tau = options.noise_bound;
-  Registration result = detail::start_registration(tau, options.seed);
-  const detail::StageClock clock(result.seconds);
   const std::size_t size = correspondences.size();
-  if (size < 3) {
-    result.status = Status::too_few_correspondences;
-    return result;
-  }
   StageReport compatibility{"compatibility", size};
   StageReport pivot_search{"pivots", size};
   StageReport clique_search{"cliques", size};
@@ -81,10 +71,16 @@ Registration register_turboreg(const Correspondences& correspondences, const Tur
     clique_search.iterations = cliques.size();
   }
   result.stages = {compatibility, pivot_search, clique_search};
-  detail::finish_and_conclude(correspondences,
-                              {.noise_bound = tau, .seed = options.seed, .bounds_tried = options.bounds_tried}, poses,
-                              best_set, true, result);
-  return result;
+  const detail::PoseTest test = detail::pose_test({.noise_bound = tau, .seed = options.seed}, options.bounds_tried);
+  detail::finish_and_conclude(correspondences, test, poses, best_set, true, result);
+}
+
+}  // namespace
+
+Registration register_turboreg(const Correspondences& correspondences, const TurboRegOptions& options) {
+  check(options);
+  return detail::run_solver(correspondences, options.noise_bound, options.seed,
+                            [&](Registration& result) { solve(correspondences, options, result); });
 }
 
 }  // namespace consimd

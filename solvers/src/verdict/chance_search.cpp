@@ -11,7 +11,6 @@
 #include <vector>
 
 #include "sampling/counter_random.hpp"
-#include "search/consensus_search.hpp"
 #include "verdict/clustering.hpp"
 
 namespace consimd::detail {
@@ -50,13 +49,6 @@ std::array<std::vector<std::uint32_t>, kPairings> random_permutations(std::size_
   return permutations;
 }
 
-// Best score that a search finds in a pairing without a pose.
-double chance_score(const Correspondences& pairing, const TcfOptions& options) {
-  ConsensusSearch search(pairing, options);
-  search.run(false);
-  return std::max<double>(kLeastScore, search.best().support.score);
-}
-
 // log10 of the expected number of scores above `score`, of greatest values like these of `times` as many seeds.
 double log10_of_greater(std::span<const double> greatest, double score, double times) {
   const auto count = static_cast<double>(greatest.size());
@@ -71,31 +63,28 @@ double log10_of_greater(std::span<const double> greatest, double score, double t
 
 }  // namespace
 
-double log10_false_poses(const Correspondences& correspondences, const TcfOptions& options, const PoseCandidate& best,
+double log10_false_poses(const Correspondences& correspondences, const PoseTest& test, const PoseCandidate& best,
                          std::uint32_t seeds, const Significance& closed_form) {
   if (correspondences.size() < kFew || closed_form.log10_false_poses <= kSure ||
       closed_form.log10_false_poses >= kHopeless || clustered_share(correspondences.view()) >= kClustered) {
     return closed_form.log10_false_poses;
   }
-  return log10_chance_of_score(correspondences, options, best.support.score * closed_form.independent_share, seeds);
+  return log10_chance_of_score(correspondences, test, best.support.score * closed_form.independent_share, seeds);
 }
 
-double log10_chance_of_score(const Correspondences& correspondences, const TcfOptions& options, double score,
+double log10_chance_of_score(const Correspondences& correspondences, const PoseTest& test, double score,
                              std::uint32_t seeds) {
   const std::uint32_t max_seeds = std::min(kSeedsPerPairing, seeds);
-  const auto targets = random_permutations(correspondences.size(), options.seed);
+  const auto targets = random_permutations(correspondences.size(), test.seed);
   std::vector<std::uint32_t> sources(correspondences.size());
   std::iota(sources.begin(), sources.end(), 0U);
   std::array<double, kPairings> scores{};
   double log10_poses = 0.0;
   for (std::uint32_t first = 0; first < kPairings; first += kWave) {
     tbb::parallel_for(first, first + kWave, [&](std::uint32_t p) {
-      TcfOptions chance_options = options;
-      chance_options.max_seeds = max_seeds;
-      chance_options.seed = options.seed + p;
       Correspondences pairing;
       pairing.assign_pairs(correspondences, sources, targets[p]);
-      scores[p] = chance_score(pairing, chance_options);
+      scores[p] = std::max(kLeastScore, test.search(pairing, test.seed + p, max_seeds));
     });
     log10_poses =
         log10_of_greater(std::span(scores).first(first + kWave), score, static_cast<double>(seeds) / max_seeds);

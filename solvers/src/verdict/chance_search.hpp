@@ -6,9 +6,9 @@
 
 #include <consimd/kernels/correspondences.hpp>
 #include <consimd/solvers/significance.hpp>
-#include <consimd/solvers/tcf.hpp>
 
-#include "search/set_poses.hpp"
+#include "support/pose_candidate.hpp"
+#include "verdict/pose_test.hpp"
 
 namespace consimd::detail {
 
@@ -21,13 +21,13 @@ inline constexpr double kHopeless = 3.0;
 /// log10 of the expected number of false poses with the support of `best`, which was found from `seeds` seeds;
 /// `closed_form`: what `significance` says of it. Random pairings tell more exactly than that what chance can do,
 /// unless the correspondences are so clustered that random pairings are no match for them.
-double log10_false_poses(const Correspondences& correspondences, const TcfOptions& options, const PoseCandidate& best,
+double log10_false_poses(const Correspondences& correspondences, const PoseTest& test, const PoseCandidate& best,
                          std::uint32_t seeds, const Significance& closed_form);
 
 /// log10 of the expected number of poses of at least this score, found from `seeds` seeds, among correspondences like
 /// these whose sources and targets are paired at random. Estimated from a few pairings, searched from a few seeds each,
 /// and the exponential tail that the greatest of many scores has beyond their mean (Gumbel).
-double log10_chance_of_score(const Correspondences& correspondences, const TcfOptions& options, double score,
+double log10_chance_of_score(const Correspondences& correspondences, const PoseTest& test, double score,
                              std::uint32_t seeds);
 
 }  // namespace consimd::detail

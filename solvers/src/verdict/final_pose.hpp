@@ -10,9 +10,9 @@
 #include <consimd/solvers/pose_covariance.hpp>
 #include <consimd/solvers/registration.hpp>
 #include <consimd/solvers/significance.hpp>
-#include <consimd/solvers/tcf.hpp>
 
 #include "support/best_poses.hpp"
+#include "verdict/pose_test.hpp"
 
 namespace consimd::detail {
 
@@ -28,9 +28,6 @@ struct FinalPose {
       Eigen::Matrix<double, 3, 1, Eigen::DontAlign>::Zero();  ///< of the supporters' sources, working frame
 };
 
-/// A registration that says what is used and has no result yet.
-Registration start_registration(double noise_bound, std::uint64_t seed);
-
 /// What `finish` does to a pose before it is tested.
 enum class Refinement : std::uint8_t {
   full,  ///< maximum likelihood over all correspondences
@@ -39,18 +36,20 @@ enum class Refinement : std::uint8_t {
 
 /// Refines `best` and measures its significance: that of a pose which the default search found from `seeds` seeds.
 /// `glance`: what a glance said of it, if that left no doubt.
-FinalPose finish(const Correspondences& correspondences, const TcfOptions& options, const PoseCandidate& best,
+FinalPose finish(const Correspondences& correspondences, const PoseTest& test, const PoseCandidate& best,
                  std::uint32_t seeds, Refinement refinement = Refinement::full,
                  const std::optional<Significance>& glance = std::nullopt);
 
 /// Fills the status and all that belongs to the pose. `final`: of poses.best(), or as constructed if there is none.
 /// `set`: rows that agree in length, from which the best pose came. `confident`: the search did not end early.
-void conclude(const Correspondences& correspondences, const TcfOptions& options, const BestPoses& poses,
+void conclude(const Correspondences& correspondences, const PoseTest& test, const BestPoses& poses,
               const std::vector<std::uint32_t>& set, const FinalPose& final, bool confident, Registration& result);
 
 /// Both for searches other than the default: tested as if that had found the pose from all of its seeds, which finds
-/// poses of chance at least as well. Adds the stage "irls" to the report. At least three correspondences.
-void finish_and_conclude(const Correspondences& correspondences, const TcfOptions& test_options, const BestPoses& poses,
-                         const std::vector<std::uint32_t>& set, bool confident, Registration& result);
+/// poses of chance at least as well. Adds the stage "refinement" to the report, or "significance" if nothing is
+/// refined. At least three correspondences.
+void finish_and_conclude(const Correspondences& correspondences, const PoseTest& test, const BestPoses& poses,
+                         const std::vector<std::uint32_t>& set, bool confident, Registration& result,
+                         Refinement refinement = Refinement::full);
 
 }  // namespace consimd::detail

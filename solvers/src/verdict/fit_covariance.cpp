@@ -4,6 +4,8 @@
 
 #include <algorithm>
 
+#include "support/source_scatter.hpp"
+
 namespace consimd::detail {
 namespace {
 
@@ -47,15 +49,6 @@ double residual_variance(const RigidMoments& moments, const RobustWeight& weight
   return mean_square * variance_factor(weight) * 3.0 * w / std::max(3.0 * w - 8.0, 1.0);
 }
 
-/// Of the sources about their mean.
-Eigen::Matrix3d source_scatter(const RigidMoments& moments) {
-  const double* s = moments.source_scatter;
-  const Eigen::Vector3d centroid = Eigen::Map<const Eigen::Vector3d>(moments.source) / moments.weight;
-  Eigen::Matrix3d scatter;
-  scatter << s[0], s[1], s[2], s[1], s[3], s[4], s[2], s[4], s[5];
-  return scatter - moments.weight * centroid * centroid.transpose();
-}
-
 }  // namespace
 
 ScaleFit fit_scale(const RigidMoments& moments, const RobustWeight& weight, const RigidTransform& pose) {
@@ -65,7 +58,7 @@ ScaleFit fit_scale(const RigidMoments& moments, const RobustWeight& weight, cons
   const Eigen::Vector3d target = Eigen::Map<const Eigen::Vector3d>(moments.target) / moments.weight;
   const Eigen::Matrix3d cross = Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>(moments.cross) -
                                 moments.weight * target * source.transpose();
-  const double extent = source_scatter(moments).trace();
+  const double extent = central_source_scatter(moments).trace();
   fit.centre = source;
   if (!(extent > moments.weight * kResolution * kResolution)) return fit;
   fit.scale = pose.linear().cwiseProduct(cross).sum() / extent;
@@ -82,7 +75,7 @@ PoseCovariance fit_covariance(const RigidMoments& moments, const RobustWeight& w
 
   // About the weighted centroid rotation and translation are independent.
   const Eigen::Vector3d centroid = Eigen::Map<const Eigen::Vector3d>(moments.source) / w;
-  const Eigen::Matrix3d scatter = source_scatter(moments);
+  const Eigen::Matrix3d scatter = central_source_scatter(moments);
   const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> axes(scatter);
   const Eigen::Vector3d information = (scatter.trace() - axes.eigenvalues().array()).max(w * kResolution * kResolution);
   const Eigen::Matrix3d target_axes = pose.linear() * axes.eigenvectors();

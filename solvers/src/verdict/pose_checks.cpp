@@ -10,9 +10,10 @@
 #include <consimd/kernels/rigid_moments.hpp>
 #include <consimd/poses/rigid_fit.hpp>
 
-#include "search/pruning.hpp"
-#include "search/set_poses.hpp"
+#include "bits/bit_rows.hpp"
+#include "support/pose_candidate.hpp"
 #include "support/row_blocks.hpp"
+#include "support/source_scatter.hpp"
 
 namespace consimd::detail {
 namespace {
@@ -26,12 +27,8 @@ constexpr double kClearlyMore = 1.1;
 
 // With the moments of the supporters and the deviation of a residual in the working frame.
 double rotation_deviation(const RigidMoments& moments, double working_sigma) {
-  const double* s = moments.source_scatter;
-  const Eigen::Vector3d sum(moments.source[0], moments.source[1], moments.source[2]);
-  Eigen::Matrix3d scatter;
-  scatter << s[0], s[1], s[2], s[1], s[3], s[4], s[2], s[4], s[5];
-  scatter -= sum * sum.transpose() / moments.weight;
-  const Eigen::Vector3d axes = Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(scatter).eigenvalues();
+  const Eigen::Vector3d axes =
+      Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(central_source_scatter(moments)).eigenvalues();
   return working_sigma / std::sqrt(std::max(axes[0] + axes[1], 0.0));
 }
 

@@ -7,9 +7,10 @@
 
 #include <consimd/kernels/alignment_residuals.hpp>
 #include <consimd/kernels/rigid_moments.hpp>
+#include <consimd/kernels/working_length.hpp>
 
 #include "call/option_checks.hpp"
-#include "search/set_poses.hpp"
+#include "support/pose_candidate.hpp"
 #include "support/row_blocks.hpp"
 #include "verdict/fit_covariance.hpp"
 #include "verdict/residual_mixture.hpp"
@@ -103,8 +104,7 @@ RefinedPose refine_within(const Correspondences& correspondences, const WorkingP
 RefinedPose refine_pose(const Correspondences& correspondences, const WorkingPose& start,
                         const PoseRefinementOptions& options) {
   detail::require_length("noise_bound", options.noise_bound);
-  // As far as single precision resolves, and no further than the data reach; the kernels do the same.
-  const double tau = std::clamp(options.noise_bound, 1e-9 / correspondences.scale(), 16.0 / correspondences.scale());
+  const double tau = working_length(correspondences, options.noise_bound) / correspondences.scale();
   RefinedPose refined = refine_within(correspondences, start, tau, options.max_rounds);
   const double measured = kDeviations * refined.sigma;
   if (!refined.fit.determined() || measured < kTooTight * tau) return refined;

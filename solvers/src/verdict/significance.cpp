@@ -9,8 +9,8 @@
 #include <vector>
 
 #include "call/option_checks.hpp"
-#include "search/set_poses.hpp"
 #include "support/points.hpp"
+#include "support/pose_candidate.hpp"
 #include "support/row_blocks.hpp"
 #include "verdict/pairing_chances.hpp"
 

@@ -23,22 +23,15 @@ struct TcfOptions {
   /// Noise bounds that the given one was chosen from by looking at the data, >= 1: their number counts in the
   /// significance.
   std::uint32_t bounds_tried = 1;
-  /// Algorithms 1 to 4 of the paper to the letter instead, for comparison; see `as_published`.
-  bool published = false;
-
-  /// The paper's algorithms with its constants: no pruning, Eq. (alpha-angle) as printed, IRLS stop in metres on the
-  /// last consensus set alone. It needs clouds that are hardly rotated against each other, and fails where outliers
-  /// exceed about 95 %.
-  [[nodiscard]] static TcfOptions as_published(double noise_bound, std::uint64_t seed = 1);
 };
 
 /// Registers with TCF. Parallel over hypotheses in the caller's oneTBB arena; the result has the same bits for any
 /// number of threads and every ISA.
 ///
-/// The default differs from the paper where practice needs it: each one-point hypothesis is pruned to the members that
-/// agree pairwise; not one but every promising set goes to the three-point stage; its poses are ranked by their support
-/// among all correspondences; and the final fit re-selects inliers from all correspondences with the weights of a
-/// Gaussian-plus-uniform mixture. Throws std::invalid_argument on a bad option.
+/// It differs from the paper (see tcf_published.hpp) where practice needs it: each one-point hypothesis is pruned to
+/// the members that agree pairwise; not one but every promising set goes to the three-point stage; its poses are ranked
+/// by their support among all correspondences; and the final fit re-selects inliers from all correspondences with the
+/// weights of a Gaussian-plus-uniform mixture. Throws std::invalid_argument on a bad option.
 [[nodiscard]] Registration register_tcf(const Correspondences& correspondences, const TcfOptions& options);
 
 }  // namespace consimd

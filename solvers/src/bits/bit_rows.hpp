@@ -1,16 +1,18 @@
-// Sets of vertices as rows of 64-bit words.
+// Sets of rows, or of vertices of a graph, as bits in 64-bit words.
 #pragma once
 
 #include <bit>
 #include <cstddef>
 #include <cstdint>
 #include <span>
+#include <vector>
 
+#include <consimd/kernels/consistency_matrix.hpp>
 #include <consimd/kernels/correspondences.hpp>
 
 namespace consimd::detail {
 
-/// Words that a set of `size` vertices takes.
+/// Words that a set among `size` rows takes.
 constexpr std::size_t words_for(std::size_t size) { return (size + kBlock - 1) / kBlock; }
 
 inline void set_bit(std::span<std::uint64_t> set, std::size_t i) {
@@ -42,6 +44,13 @@ void for_each_in_word(std::uint64_t bits, std::size_t word, const Visit& visit) 
 template <typename Visit>
 void for_each_in(std::span<const std::uint64_t> set, const Visit& visit) {
   for (std::size_t w = 0; w < set.size(); ++w) for_each_in_word(set[w], w, visit);
+}
+
+/// Replaces `members` by those of the set, ascending.
+inline void members_of(std::span<const std::uint64_t> set, std::vector<std::uint32_t>& members) {
+  members.resize(popcount(set));
+  auto next = members.begin();
+  for_each_in(set, [&](std::uint32_t i) { *next++ = i; });
 }
 
 /// out = a & b; all of the same size, `out` may be one of them.

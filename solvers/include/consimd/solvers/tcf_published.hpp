@@ -1,0 +1,32 @@
+// TCF as printed in the paper, for comparison.
+// P. Shi et al., "RANSAC Back to SOTA: A Two-stage Consensus Filtering for Real-time 3D Registration", RA-L 2024.
+#pragma once
+
+#include <cstdint>
+
+#include <consimd/kernels/correspondences.hpp>
+#include <consimd/solvers/registration.hpp>
+
+#pragma GCC visibility push(default)
+
+namespace consimd {
+
+struct TcfPublishedOptions {
+  /// tau: the largest residual of an inlier, caller's unit; finite and > 0.
+  double noise_bound = 0.0;
+  std::uint64_t seed = 1;
+  double confidence = 0.99;               ///< lambda, of each of the three sampling stages; in (0, 1)
+  std::uint32_t max_iterations = 10'000;  ///< of each of them
+};
+
+/// Registers with algorithms 1 to 4 of the paper one after the other, each on what the one before kept, with the
+/// paper's constants: no pruning, Eq. (alpha-angle) as printed, the stop of the Cauchy IRLS in metres. It needs clouds
+/// that are hardly rotated against each other, fails where outliers exceed about 95 %, and takes any pose for a
+/// success: nothing is tested for significance. Parallel over hypotheses in the caller's oneTBB arena; the result has
+/// the same bits for any number of threads and every ISA. Throws std::invalid_argument on a bad option.
+[[nodiscard]] Registration register_tcf_published(const Correspondences& correspondences,
+                                                  const TcfPublishedOptions& options);
+
+}  // namespace consimd
+
+#pragma GCC visibility pop
