@@ -10,7 +10,7 @@ CONTEXT = (
     "caches",
     "cpu",
     "system",
-    *(f"consimd_{key}" for key in ("version", "commit", "compiler", "build_type", "flags", "threads")),
+    *(f"consimd_{key}" for key in ("version", "commit", "compiler", "build_type", "flags", "threads", "isas")),
 )
 
 
@@ -22,6 +22,10 @@ class Results:
             run = json.load(file)
         self.context = {key: run["context"][key] for key in CONTEXT if key in run["context"]}
         self.values = run["results"] if "results" in run else medians(run["benchmarks"])
+
+    def isas(self):
+        """Names of the instruction sets that the machine has, narrowest first."""
+        return self.context.get("consimd_isas", "").split(", ")
 
     def keep(self, path):
         """One line a benchmark."""

@@ -54,8 +54,8 @@ CONSIMD_BASELINE float masked_sum(const std::uint64_t* bits, std::size_t words, 
 
 namespace textbook {
 
-// The paper's equations as printed, with their square roots and inverse trigonometry; built without -fno-math-errno, as
-// most programs are, so the roots keep the compiler from vectorising.
+// The paper's equations as printed, with their square roots, which the compiler vectorises, and inverse trigonometry,
+// which it does not.
 CONSIMD_BASELINE std::uint32_t length_count(const LoopCloud& cloud, std::uint32_t seed, float bound);
 CONSIMD_BASELINE std::uint32_t angle_count(const LoopCloud& cloud, std::uint32_t first, std::uint32_t second,
                                            float bound);

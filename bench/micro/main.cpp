@@ -29,6 +29,9 @@ void describe_build() {
   context("consimd_build_type", build.build_type);
   context("consimd_compiler", build.compiler);
   context("consimd_flags", build.flags);
+  std::string isas;
+  for (const consimd::Isa isa : consimd::supported_isas()) isas.append(isas.empty() ? "" : ", ").append(to_string(isa));
+  context("consimd_isas", isas);
   context("consimd_default_isa", to_string(consimd::active_isa()));
   context("consimd_threads", "1");
   context("cpu", machine.cpu);

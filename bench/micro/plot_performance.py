@@ -9,7 +9,7 @@ from pathlib import Path
 
 from bench_results import Results
 
-sys.path.insert(0, str(Path(__file__).resolve().parent.parent / "study"))
+sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "studies/src/figures"))
 from figure_style import COLUMN_WIDTH, PAGE_WIDTH, STYLE, plt, save  # noqa: E402
 from plot_sweep import COLOURS, MARKERS  # noqa: E402
 

@@ -11,8 +11,6 @@ from collections import defaultdict
 
 from bench_results import Results
 
-ISAS = ("scalar", "sse2", "neon", "avx2", "avx512")  # narrowest first
-BASELINES = ("loop", "textbook", "eigen")
 CONTEXT = ("cpu", "system", *(f"consimd_{key}" for key in ("commit", "compiler", "build_type", "flags", "threads")))
 STAGES = ("one_point", "two_point", "three_point", "refinement")
 
@@ -60,15 +58,15 @@ def context_lines(results):
 
 def kernel_tables(results):
     by_size = defaultdict(lambda: defaultdict(dict))
-    present, items = set(), {}
+    present, items = {}, {}  # ordered: baselines as they were registered
     for (kernel, *where), values in results.under(""):
-        if len(where) == 2 and where[1] in ISAS + BASELINES:
+        if len(where) == 2 and where[0].isdigit():
             size, variant = where
             by_size[int(size)][kernel][variant] = values["items_per_second"] / 1e9
             items[kernel] = values["items"]
-            present.add(variant)
-    isas = [isa for isa in ISAS if isa in present]
-    baselines = [baseline for baseline in BASELINES if baseline in present]
+            present[variant] = True
+    isas = [isa for isa in results.isas() if isa in present]
+    baselines = [variant for variant in present if variant not in isas]
     widest = isas[-1] if isas else "none"
     for size in sorted(by_size):
         rows = []
@@ -89,7 +87,7 @@ def graph_table(results):
         times[stage][100 * float(outliers.split(":")[1]), isa] = values["median_ms"]
     keys = {key for row in times.values() for key in row}
     shares = sorted({share for share, _ in keys})
-    isas = [isa for isa in ISAS if any(isa == other for _, other in keys)]
+    isas = [isa for isa in results.isas() if any(isa == other for _, other in keys)]
     if not isas:
         return
     fastest = isas[-1]

@@ -158,5 +158,5 @@ def test_bad_arguments_are_the_librarys_errors(problem):
 def test_instruction_sets_have_names():
     assert kernels.supported_isas()[0] == "scalar"
     assert kernels.active_isa() in kernels.supported_isas()
-    with pytest.raises(ValueError, match="mmx"):
+    with pytest.raises(ValueError, match="mmx.*" + ".*".join(kernels.supported_isas())):
         kernels.set_active_isa("mmx")
