@@ -5,7 +5,7 @@
 
 declare -A packages_of=(
   [build]="g++ cmake ninja-build libeigen3-dev libtbb-dev libxsimd-dev librandom123-dev libcli11-dev libfmt-dev
-    nlohmann-json3-dev libgtest-dev libbenchmark-dev libigraph-dev ccache"
+    nlohmann-json3-dev libgtest-dev libgmock-dev libbenchmark-dev libigraph-dev ccache python3"
   [docs]="doxygen"
   [figures]="python3-matplotlib"
   [lint]="clang-format clang-tidy python3 shellcheck"
