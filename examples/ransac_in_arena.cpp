@@ -32,8 +32,8 @@ constexpr std::size_t kTasksPerRound = 16;  // between two looks at the stopping
 constexpr std::size_t kMaxSamples = 1'000'000;
 constexpr double kConfidence = 0.99;
 
-// --- Before: one pose after the other. Of the loops and expressions that are quickly written the fastest, in single
-// precision as the kernels are.
+// --- Before: one pose after the other. This is the fastest of the loops that are quickly written, in single precision
+// as the kernels are.
 class EigenCounter {
  public:
   explicit EigenCounter(const example::Input& input)

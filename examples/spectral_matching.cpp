@@ -31,7 +31,7 @@ Eigen::Map<const Eigen::Matrix3Xd> columns(const std::vector<double>& points) {
   return {points.data(), 3, static_cast<Eigen::Index>(points.size() / 3)};
 }
 
-// --- Before: lists of neighbours. Of what is quickly written the fastest here: half the time of a dense Eigen matrix.
+// --- Before: lists of neighbours. The fastest of what is quickly written: half the time of a dense Eigen matrix.
 class LoopGraph {
  public:
   LoopGraph(const Problem& problem, double bound) : neighbours_(problem.size()) {

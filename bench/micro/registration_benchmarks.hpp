@@ -9,7 +9,7 @@ namespace consimd::bench {
 ///   SOLVER/size:N, the first two           growth, at 95 % outliers and sigma 0.1 m
 ///   register_tcf/budget/outliers:R/sigma:S/seeds:M   max_seeds = M
 /// One seed an iteration. `median_ms` is the median over the seeds of a registration's CPU time, `recall` the share of
-/// them that found the pose. Of register_tcf, STAGE_ms is the median time of a stage and `peak_mib` the memory needed
+/// them that found the pose. For register_tcf STAGE_ms is the median time of a stage and `peak_mib` the memory needed
 /// over that of the correspondences; its result for the first seed is checked against the scalar reference's before.
 void register_registration_benchmarks();
 

@@ -69,7 +69,7 @@ template <typename Arch, typename Test, typename Bounds>
 void test_rows(const RawView& view, Bounds bounds, std::size_t row_word, std::size_t left, std::size_t right,
                std::uint64_t* bits, std::uint32_t* degrees, BitTiles& tiles) {
   const std::size_t words = view.padded / 64;
-  // Of the last word what is not padding, of which small sets have much.
+  // The last word is taken up to where its padding begins: small sets have much.
   const std::size_t last_end = view.size - (words - 1) * 64;
   for (std::size_t i = row_word * 64; i < least<Arch>(row_word * 64 + 64, view.size); ++i) {
     const Test test[] = {{view, static_cast<std::uint32_t>(i), bounds}};

@@ -26,13 +26,13 @@ struct RawWeight {
   std::uint32_t squarings;  ///< log2 of the exponent
 };
 
-/// Of pairs that a separated consistency matrix keeps.
+/// What a pair must hold to be kept in a separated consistency matrix.
 struct SeparatedBounds {
   float bound;       ///< on the difference of the two lengths
   float separation;  ///< below their sum
 };
 
-/// Of pairs whose lengths are compared both ways.
+/// What a pair must hold where its lengths are compared both ways.
 struct RatioBounds {
   float bound;  ///< on the difference of the two lengths
   float ratio;  ///< on that of their squares, as a share of the squares' sum

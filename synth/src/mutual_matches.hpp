@@ -20,7 +20,7 @@ struct Match {
 };
 
 /// The pairs of descriptors that are among each other's `k` nearest, k from 1 to 8; ascending by source, then target.
-/// Of equally near ones that of the lower index comes first.
+/// Among equally near ones the lower index comes first.
 [[nodiscard]] std::vector<Match> mutual_matches(std::span<const Descriptor> source, std::span<const Descriptor> target,
                                                 std::size_t k);
 

@@ -34,7 +34,7 @@ class Surface {
 
   [[nodiscard]] double area() const;
   [[nodiscard]] SurfacePoint sample(RandomStream& random) const;
-  /// Of a point on or near the surface. Foliage looks the same everywhere.
+  /// How a point on or near the surface looks. Foliage looks the same everywhere.
   [[nodiscard]] Look look(const Eigen::Vector3d& position) const;
 
  private:

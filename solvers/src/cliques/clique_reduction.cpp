@@ -39,8 +39,8 @@ void ReducedGraph::reduce() {
   }
 }
 
-// Of the vertices in `kept`: one that is adjacent to all others belongs to a largest clique. So does one that misses a
-// single other, since it could take that one's place.
+// A vertex of `kept` that is adjacent to all others belongs to a largest clique. So does one that misses a single
+// other, since it could take that one's place.
 void ReducedGraph::settle(std::vector<std::uint32_t>& kept) {
   const GraphView graph = rest();
   std::vector<std::uint64_t> alive(graph.words(), 0);

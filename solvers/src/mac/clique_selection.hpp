@@ -22,7 +22,7 @@ struct SelectedCliques {
   std::vector<std::uint32_t> cut_short;  ///< vertices whose share of a budget ended
 };
 
-/// Of cliques of three and more. Parallel over vertices.
+/// Selects among the maximal cliques of three and more. Parallel over vertices.
 SelectedCliques select_cliques(const CompatibilityGraph& graph, const MacOptions& options);
 
 }  // namespace consimd::detail

@@ -32,7 +32,7 @@ struct Sums {
     change(v, bound, -1.0);
   }
   [[nodiscard]] double mean() const { return value / weight; }
-  /// Of the set alone; a measurement outside it costs 1.
+  /// The cost of the set alone; a measurement outside it costs 1.
   [[nodiscard]] double cost() const { return std::max(square - value * value / weight, 0.0); }
 
  private:

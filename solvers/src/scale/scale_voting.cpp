@@ -31,7 +31,7 @@ constexpr std::size_t kPairings = 2;
 constexpr float kStandsOut = 2.0F;  // in standard deviations
 // An interval with ends further apart than this factor tells nothing.
 constexpr float kWidest = 4.0F;
-// Of the exact vote.
+// The exact vote takes at most this many.
 constexpr std::size_t kExactVoters = 32;
 constexpr std::size_t kExactPartners = 2048;
 // A peak reaches down to this share of its height.

@@ -43,7 +43,7 @@ class ConsensusSearch {
   /// Whether the seeds drawn suffice for the wanted confidence.
   [[nodiscard]] bool confident() const;
 
-  /// Of the best pose, once a glance leaves hardly a doubt: only rivals may still turn up then.
+  /// The significance of the best pose, once a glance leaves hardly a doubt: only rivals may still turn up then.
   [[nodiscard]] const std::optional<Significance>& settled() const noexcept { return settled_; }
 
   [[nodiscard]] const SeedSets& sets() const noexcept { return sets_; }

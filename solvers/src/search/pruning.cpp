@@ -9,7 +9,7 @@ namespace {
 
 constexpr std::uint32_t kMaxRounds = 50;
 constexpr std::uint32_t kSmallestDrop = 5;
-// Of a large set only this share of what its bound allows stays in a round: merits tell so well that a clique far
+// In a large set only this share of what its bound allows stays in a round: merits tell so well that a clique far
 // smaller than the bound survives.
 constexpr double kLargeKept = 0.5;
 constexpr std::uint32_t kLarge = 256;
@@ -61,7 +61,7 @@ void prune(const ConsistencyMatrix& matrix, std::vector<std::uint32_t>& members,
     for (const std::uint32_t degree : scratch.degrees) ones += degree;
     std::uint32_t keep = ceil_sqrt(ones);
     const auto size = static_cast<std::uint32_t>(members.size());
-    // Of a clique the later rounds may have dropped some members already.
+    // Earlier rounds may have dropped some members of the clique already.
     const std::uint32_t least = round == 0 ? give_up_below : static_cast<std::uint32_t>(kLaterShare * give_up_below);
     if (keep < least) {
       members.clear();

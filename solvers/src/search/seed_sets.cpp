@@ -279,7 +279,7 @@ void SeedSets::prune(std::span<const std::uint32_t> positions, std::uint32_t sup
   tbb::parallel_for(std::size_t{0}, positions.size(), [&](std::size_t i) {
     Scratch& scratch = scratch_.local();
     std::vector<std::uint32_t>& set = sets_[positions[i]];
-    // Of a part of a set its share of the clique is wanted, more or less.
+    // A part of a set should hold about its share of the clique.
     const auto part_of_wanted = [&](double share) {
       return share < 1.0 ? std::max(static_cast<std::uint32_t>(kSlack * share * wanted), 3U) : wanted;
     };

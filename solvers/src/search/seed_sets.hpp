@@ -56,7 +56,7 @@ class SeedSets {
   [[nodiscard]] const std::vector<std::uint32_t>& set(std::uint32_t position) const { return sets_[position]; }
 
   [[nodiscard]] std::uint32_t drawn() const noexcept { return drawn_; }
-  /// Of all sets before pruning, as far as the window tells.
+  /// The size of the largest set before pruning, as far as the window tells.
   [[nodiscard]] std::size_t largest_raw_set() const noexcept { return largest_raw_set_; }
   [[nodiscard]] double one_point_seconds() const noexcept { return one_point_seconds_; }
   [[nodiscard]] double two_point_seconds() const noexcept { return two_point_seconds_; }

@@ -13,7 +13,7 @@
 namespace consimd::detail {
 namespace {
 
-// Of a residual per axis, where it is not estimated: the noise bound is three of them.
+// The deviation of a residual per axis, where it is not estimated: the noise bound is three of them.
 constexpr double kSigmaPerBound = 1.0 / 3.0;
 
 // The runner-up, brought into place like the best pose was; none if it is no other motion then.

@@ -42,7 +42,7 @@ double variance_factor(const RobustWeight& weight) {
   return 9.0 * sum * sum / (squares * weighted_squares);
 }
 
-/// Of a residual of unit weight, per axis.
+/// The variance of a residual of unit weight, per axis.
 double residual_variance(const RigidMoments& moments, const RobustWeight& weight) {
   const double w = moments.weight;
   const double mean_square = std::max(moments.residual / (3.0 * w), kResolution * kResolution);

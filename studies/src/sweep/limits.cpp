@@ -25,7 +25,7 @@ double share_within_bound() {
   return std::erf(3.0 / std::numbers::sqrt2) - 3.0 * std::sqrt(2.0 / std::numbers::pi) * std::exp(-4.5);
 }
 
-/// Of the best pose that the search met, reported or not.
+/// The support of the best pose that the search met, reported or not.
 std::size_t best_support(const Registration& result) {
   const auto stage = std::find_if(result.stages.begin(), result.stages.end(),
                                   [](const StageReport& report) { return report.name == "three_point"; });

@@ -63,7 +63,7 @@ class BitGraph {
   std::size_t size_ = 0;
   std::size_t words_ = 0;
   std::vector<std::uint64_t> bits_;
-  // Of assign_subgraph.
+  // Scratch of assign_subgraph.
   std::vector<std::uint64_t> chosen_;
   std::vector<std::uint32_t> positions_;
 };
@@ -71,8 +71,8 @@ class BitGraph {
 inline GraphView::GraphView(const BitGraph& graph) noexcept
     : bits_(graph.data()), size_(graph.size()), words_(graph.words()) {}
 
-/// Of all vertices. The core number of a vertex is the largest k such that it belongs to a subgraph whose vertices all
-/// have k neighbours or more in it: a vertex of a clique of k + 1 has at least k.
+/// The core number of a vertex is the largest k such that it belongs to a subgraph whose vertices all have k neighbours
+/// or more in it: a vertex of a clique of k + 1 has at least k.
 struct CoreNumbers {
   std::vector<std::uint32_t> core;   ///< by vertex
   std::vector<std::uint32_t> order;  ///< a degeneracy order: vertices by the time they were peeled, core ascending

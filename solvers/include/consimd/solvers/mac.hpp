@@ -15,7 +15,7 @@ namespace consimd {
 struct MacOptions {
   /// tau: the largest residual of an inlier, caller's unit; finite and > 0. 3 sigma per axis is the usual choice.
   double noise_bound = 0.0;
-  /// Of the significance test, and of the draw among edges of equal rank where a graph is thinned out.
+  /// Seeds the significance test, and the draw among edges of equal rank where a graph is thinned out.
   std::uint64_t seed = 1;
   /// d in noise bounds, > 0: pairs whose lengths differ by delta have the score s = 1 - delta^2 / d^2.
   double compatibility_distance = 1.0;

@@ -43,7 +43,7 @@ struct Pcr99Options {
   std::uint64_t max_triples = 1'000'000'000;
   /// Support that ranks the hypotheses.
   PoseRanking ranking = PoseRanking::inlier_count;
-  /// Memory for the matrix of good pairs. Of more correspondences than fit, triples are those of the best-ranked ones;
+  /// Memory for the matrix of good pairs. If more correspondences are given than fit, triples are of the best-ranked;
   /// poses are still judged by all. The report of the stage "pairs" tells how many.
   std::size_t matrix_budget_bytes = std::size_t{64} << 20;
   /// Noise bounds that the given one was chosen from by looking at the data, >= 1: their number counts in the

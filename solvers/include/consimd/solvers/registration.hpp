@@ -52,22 +52,22 @@ struct Registration {
   /// caller's units. A rigid motion whatever the scale is. The identity unless status is success, ambiguous or
   /// budget_exhausted.
   RigidTransform T_target_source = RigidTransform::Identity();
-  /// Of the source, 1 where it is known (see SolverOptions::estimate_scale).
+  /// The scale of the source, 1 where it is known (see SolverOptions::estimate_scale).
   double scale = 1.0;
   /// Standard deviation of `scale`; 0 where it is known, and from teaser without refinement.
   double scale_deviation = 0.0;
-  /// Of the pose's error (theta, dt), rotation in rad before translation in the caller's unit, target frame (see
-  /// pose_covariance.hpp), for a pose near the true one; whether it is, the significance tells. Zero when there is no
-  /// pose, and from tcf-published and teaser without refinement, which do not estimate it. With a scale that was
-  /// estimated: of the pose whatever the scale is, so dt holds what the scale's error adds at the source's origin.
+  /// Covariance of the pose's error (theta, dt), rotation in rad before translation in the caller's unit, target frame
+  /// (see pose_covariance.hpp), for a pose near the true one; the significance tells whether it is. Zero when there is
+  /// no pose, and from tcf-published and teaser without refinement, which do not estimate it. Where the scale was
+  /// estimated dt also holds what the scale's error adds at the source's origin.
   PoseCovariance covariance = PoseCovariance::Zero();
   /// Rows within `noise_bound` of the pose, ascending. Empty when there is no pose.
   std::vector<std::uint32_t> inliers;
   /// log10 of the number of equally supported poses expected by chance (see significance.hpp); 0 when no pose was
   /// found. Success needs it below the solver's limit.
   double log10_false_poses = 0.0;
-  /// Of the poses met on the way; with four fifths of the support or more, one is met nearly as surely as the best. Two
-  /// rigid motions, or an object that is its own image when turned, show here.
+  /// The best pose of another motion that the search met. One with four fifths of the support is met nearly as surely
+  /// as the best pose. Two rigid motions, or an object that is its own image when turned, show here.
   std::optional<RunnerUp> runner_up;
   std::vector<StageReport> stages;
   double seconds = 0.0;  ///< wall time of the whole registration

@@ -36,8 +36,8 @@ struct Sc2PcrOptions {
   std::uint32_t second_set = 20;
   /// Support that ranks the seeds' poses.
   PoseRanking ranking = PoseRanking::inlier_count;
-  /// Memory for the two pairwise compatibility matrices. Of more correspondences than fit, the matrices are those of a
-  /// random sample; poses are still judged by all. The report of the stage "compatibility" tells how many.
+  /// Memory for the two pairwise compatibility matrices. If more correspondences are given than fit, the matrices are
+  /// those of a random sample; poses are still judged by all. The report of the stage "compatibility" tells how many.
   std::size_t matrix_budget_bytes = std::size_t{64} << 20;
   /// Noise bounds that the given one was chosen from by looking at the data, >= 1: their number counts in the
   /// significance.

@@ -30,8 +30,8 @@ struct TurboRegOptions {
   std::uint32_t cliques_per_pivot = 2;
   /// Support that ranks the cliques' poses.
   PoseRanking ranking = PoseRanking::inlier_count;
-  /// Memory for the pairwise compatibility matrix. Of more correspondences than fit, the graph is that of a random
-  /// sample; poses are still judged by all. The report of the stage "compatibility" tells how many.
+  /// Memory for the pairwise compatibility matrix. If more correspondences are given than fit, the graph is that of a
+  /// random sample; poses are still judged by all. The report of the stage "compatibility" tells how many.
   std::size_t matrix_budget_bytes = std::size_t{64} << 20;
   /// Noise bounds that the given one was chosen from by looking at the data, >= 1: their number counts in the
   /// significance.

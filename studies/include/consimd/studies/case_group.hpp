@@ -22,8 +22,8 @@ struct Case {
   std::string name;          ///< within its group
   double noise_bound = 0.0;  ///< what a solver is given
   std::uint64_t seed = 1;    ///< of the first run
-  /// Of a success. None: the root mean square residual of the true inliers must be below the noise bound, the noise
-  /// study's measure.
+  /// What counts as a success. None: the root mean square residual of the true inliers must be below the noise bound,
+  /// the noise study's measure.
   std::optional<PoseLimits> limits = {};
   /// The problem; is_inlier says which rows an outlier removal should keep. May throw what the data's reader throws.
   std::function<synth::Problem()> load = {};

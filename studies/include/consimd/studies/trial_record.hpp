@@ -18,11 +18,11 @@ struct TrialRecord {
   std::uint64_t seed = 0;  ///< the solver's
   std::string status = {};
   bool success = false;  ///< a pose, and an RMSE of the true inliers below 3 sigma
-  // Of the returned pose; of the identity when there is none.
+  // Errors of the returned pose, or of the identity when there is none.
   double rmse_true_inliers = 0.0;
   double rotation_error_deg = 0.0;
   double translation_error = 0.0;
-  // Of least squares on the true inliers.
+  // Errors of least squares on the true inliers.
   double oracle_rotation_error_deg = 0.0;
   double oracle_translation_error = 0.0;
   double inlier_precision = 0.0;  ///< NaN when no inlier was returned

@@ -20,7 +20,7 @@ namespace consimd::studies {
 /// when, the table reads the same.
 class TrialTable {
  public:
-  /// Of the whole study, or of a shard: problems, numbered by outlier ratio, noise level and trial, are dealt out, each
+  /// For the whole study, or a shard: problems, numbered by outlier ratio, noise level and trial, are dealt out, each
   /// with all its solvers. Throws std::invalid_argument on bad options.
   explicit TrialTable(SweepOptions options, std::optional<Shard> shard = {});
 
