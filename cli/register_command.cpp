@@ -9,14 +9,13 @@
 
 #include <consimd/solvers/solver.hpp>
 #include <consimd/synth/metrics.hpp>
+#include <consimd/synth/problem_files.hpp>
 
 #include <consimd/studies/replace_file.hpp>
 #include <consimd/studies/sweep_options.hpp>
 #include "commands.hpp"
-#include "correspondence_file.hpp"
 #include "filter_option.hpp"
 #include "option_checks.hpp"
-#include "pose_file.hpp"
 #include "register_report.hpp"
 #include "threads.hpp"
 
@@ -55,11 +54,12 @@ int run_register(const Options& options) {
                         .filter = filter_by_name(options.filter),
                         .estimate_scale = options.estimate_scale,
                         .noise_bound = options.noise_bound};
-  std::optional<ScaledPose> truth;
+  std::optional<synth::ScaledPose> truth;
   if (!options.truth.empty()) {
-    truth = options.estimate_scale ? read_scaled_pose(options.truth) : ScaledPose{read_pose(options.truth)};
+    truth = options.estimate_scale ? synth::read_scaled_pose(options.truth)
+                                   : synth::ScaledPose{synth::read_pose(options.truth)};
   }
-  const Correspondences correspondences = read_correspondences(options.file);
+  const Correspondences correspondences = synth::read_correspondences(options.file);
   report.correspondences = correspondences.size();
 
   with_threads(options.threads, [&] {

@@ -4,11 +4,11 @@
 #include <cstdio>
 #include <cstdlib>
 #include <filesystem>
-#include <fstream>
-#include <sstream>
 #include <stdexcept>
 
 #include <Eigen/Geometry>
+
+#include <consimd/synth/problem_files.hpp>
 
 namespace example {
 namespace {
@@ -17,27 +17,6 @@ using consimd::synth::rotation_error_deg;
 using consimd::synth::translation_error;
 
 constexpr double kMaxRotationErrorDeg = 5.0;
-
-/// Rows of `columns` numbers each; blanks or commas between them, '#' starts a comment.
-std::vector<double> read_rows(const std::filesystem::path& path, std::size_t columns) {
-  std::ifstream file(path);
-  if (!file) throw std::invalid_argument(path.string() + ": cannot be read");
-  std::vector<double> numbers;
-  std::string line;
-  for (std::size_t number = 1; std::getline(file, line); ++number) {
-    line.resize(std::min(line.size(), line.find('#')));
-    std::replace(line.begin(), line.end(), ',', ' ');
-    std::istringstream words(line);
-    const std::size_t before = numbers.size();
-    for (double value = 0.0; words >> value;) numbers.push_back(value);
-    const std::size_t found = numbers.size() - before;
-    if (!words.eof() || (found != 0 && found != columns)) {
-      throw std::invalid_argument(path.string() + ", line " + std::to_string(number) + ": expected " +
-                                  std::to_string(columns) + " numbers");
-    }
-  }
-  return numbers;
-}
 
 double positive_number(const std::string& text, const char* what) {
   char* end = nullptr;
@@ -49,21 +28,9 @@ double positive_number(const std::string& text, const char* what) {
 }
 
 Input read_files(const std::filesystem::path& path, double noise_bound) {
-  Input input{.noise_bound = noise_bound, .synthetic = false};
-  consimd::synth::Problem& problem = input.problem;
-
-  const std::vector<double> rows = read_rows(path, 6);
-  const std::vector<double> pose = read_rows(path.parent_path() / "pose.txt", 4);
-  if (pose.size() != 16) throw std::invalid_argument("pose.txt beside " + path.string() + ": expected a 4 x 4 matrix");
-  problem.T_target_source.matrix() = Eigen::Map<const Eigen::Matrix<double, 4, 4, Eigen::RowMajor>>(pose.data());
-
-  for (std::size_t k = 0; k < rows.size(); k += 6) {
-    const Eigen::Vector3d p(&rows[k]), q(&rows[k + 3]);
-    problem.source.insert(problem.source.end(), p.begin(), p.end());
-    problem.target.insert(problem.target.end(), q.begin(), q.end());
-    problem.is_inlier.push_back((problem.T_target_source * p - q).norm() < noise_bound ? 1 : 0);
-  }
-  return input;
+  return {.problem = consimd::synth::read_problem(path, path.parent_path() / "pose.txt", noise_bound),
+          .noise_bound = noise_bound,
+          .synthetic = false};
 }
 
 }  // namespace

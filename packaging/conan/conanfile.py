@@ -20,8 +20,8 @@ class ConsimdRecipe(ConanFile):
     topics = ("simd", "registration", "ransac", "point-cloud")
     package_type = "library"
     settings = "os", "arch", "compiler", "build_type"
-    options = {"shared": [True, False], "kernels_only": [True, False]}
-    default_options = {"shared": False, "kernels_only": False}
+    options = {"shared": [True, False], "kernels_only": [True, False], "studies": [True, False]}
+    default_options = {"shared": False, "kernels_only": False, "studies": False}
 
     @property
     def _checkout(self):
@@ -32,7 +32,7 @@ class ConsimdRecipe(ConanFile):
         self.version = re.search(r"project\(consimd VERSION ([\d.]+)", lists).group(1)
 
     def export_sources(self):
-        for pattern in ("CMakeLists.txt", "LICENSE", "cmake/*", "kernels/*", "poses/*", "solvers/*", "synth/*"):
+        for pattern in ("CMakeLists.txt", "LICENSE", "cmake/*", "kernels/*", "poses/*", "solvers/*", "synth/*", "studies/*"):
             copy(self, pattern, self._checkout, self.export_sources_folder)
 
     def layout(self):
@@ -43,6 +43,9 @@ class ConsimdRecipe(ConanFile):
         if not self.options.kernels_only:
             self.requires("eigen/[>=3.4 <6]", transitive_headers=True)
             self.requires("onetbb/[>=2021.5 <2024]")
+        if self.options.studies:
+            self.requires("fmt/[>=9 <13]")
+            self.requires("nlohmann_json/[>=3.11 <4]", visible=False)
 
     def system_requirements(self):
         # Headers, needed to build only, which no recipe provides.
@@ -53,10 +56,13 @@ class ConsimdRecipe(ConanFile):
         if self.settings.os != "Linux" or self.settings.compiler not in ("gcc", "clang"):
             raise ConanInvalidConfiguration("consimd is built with gcc or clang on Linux")
         check_min_cppstd(self, 20)
+        if self.options.studies and self.options.kernels_only:
+            raise ConanInvalidConfiguration("studies need the solvers: kernels_only leaves them out")
 
     def generate(self):
         toolchain = CMakeToolchain(self)
         toolchain.cache_variables["CONSIMD_KERNELS_ONLY"] = bool(self.options.kernels_only)
+        toolchain.cache_variables["CONSIMD_BUILD_STUDIES"] = bool(self.options.studies)
         for part in ("CLI", "TESTS", "BENCHMARKS", "EXAMPLES"):
             toolchain.cache_variables[f"CONSIMD_BUILD_{part}"] = False
         toolchain.generate()
@@ -80,6 +86,8 @@ class ConsimdRecipe(ConanFile):
             needs["poses"] = ["kernels", "eigen::eigen"]
             needs["solvers"] = ["poses", "onetbb::onetbb"]
             needs["synth"] = ["poses"]
+        if self.options.studies:
+            needs["studies"] = ["solvers", "synth", "fmt::fmt", "nlohmann_json::nlohmann_json"]
         for name, requires in needs.items():
             component = self.cpp_info.components[name]
             component.libs = [f"consimd_{name}"]

@@ -6,11 +6,13 @@
 
 `source` and `target` are (N, 3) arrays; row k of one is putatively the same point as row k of the other. Modules:
 `consimd.kernels`, the building blocks on arrays; `consimd.synth`, problems with a known pose. `consimd.sweep` runs the
-noise study. Results have the same bits on any number of threads and any instruction set, and those of the C++ library.
+noise study, `consimd.compare` solvers on files and synthetic data. Results have the same bits on any number of threads
+and any instruction set, and those of the C++ library.
 """
 
 from consimd import kernels, synth
 from consimd._core import Correspondences, __version__
+from consimd._compare import CompareResult, ComparisonTable, compare
 from consimd._register import (
     NoiseBoundEstimate,
     Registration,
@@ -23,8 +25,11 @@ from consimd._register import (
     solvers,
 )
 from consimd._sweep import SweepResult, sweep
+from consimd._tables import table_columns
 
 __all__ = [
+    "CompareResult",
+    "ComparisonTable",
     "Correspondences",
     "NoiseBoundEstimate",
     "Registration",
@@ -33,6 +38,7 @@ __all__ = [
     "Status",
     "SweepResult",
     "__version__",
+    "compare",
     "estimate_noise_bound",
     "kernels",
     "register",
@@ -40,4 +46,5 @@ __all__ = [
     "solvers",
     "sweep",
     "synth",
+    "table_columns",
 ]

@@ -4,67 +4,22 @@ from __future__ import annotations
 
 import os
 from collections.abc import Callable, Iterable, Sequence
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 from consimd import _core
+from consimd._tables import structured
 
 if TYPE_CHECKING:
     import numpy as np
     from numpy.typing import NDArray
 
-_TRIAL_FIELDS = [
-    ("solver", "U32"),
-    ("outlier_ratio", "f8"),
-    ("sigma", "f8"),
-    ("trial", "u4"),
-    ("seed", "u8"),
-    ("status", "U32"),
-    ("success", "?"),
-    ("rmse_true_inliers", "f8"),
-    ("rotation_error_deg", "f8"),
-    ("translation_error", "f8"),
-    ("oracle_rotation_error_deg", "f8"),
-    ("oracle_translation_error", "f8"),
-    ("inlier_precision", "f8"),
-    ("inlier_recall", "f8"),
-    ("seconds", "f8"),
-]
-_CELL_FIELDS = [
-    ("solver", "U32"),
-    ("outlier_ratio", "f8"),
-    ("sigma", "f8"),
-    ("trials", "u4"),
-    ("recall", "f8"),
-    ("recall_low", "f8"),
-    ("recall_high", "f8"),
-    ("rotation_error_deg_mean", "f8"),
-    ("translation_error_mean", "f8"),
-    ("oracle_rotation_error_deg_mean", "f8"),
-    ("oracle_translation_error_mean", "f8"),
-    ("seconds_median", "f8"),
-]
-
-
 class SweepResult(NamedTuple):
-    """Structured arrays with the columns of the command's trials.csv and cells.csv."""
+    """Structured arrays with the columns of the command's trials.csv and cells.csv, see `table_columns`."""
 
     trials: NDArray[np.void]
-    """One row per solver and problem: solver, outlier_ratio, sigma (m), trial, seed, status, success,
-    rmse_true_inliers (m), rotation_error_deg, translation_error (m), oracle_rotation_error_deg,
-    oracle_translation_error (m), inlier_precision (NaN where no inlier was reported), inlier_recall, seconds."""
+    """One row per solver and problem."""
     cells: NDArray[np.void]
-    """One row per solver, outlier ratio and noise level: solver, outlier_ratio, sigma (m), trials, recall with its
-    Wilson interval recall_low and recall_high, means over all trials rotation_error_deg_mean, translation_error_mean
-    (m), oracle_rotation_error_deg_mean, oracle_translation_error_mean (m), and seconds_median."""
-
-
-def _table(columns: dict[str, Any], fields: list[tuple[str, str]]) -> NDArray[np.void]:
-    import numpy as np
-
-    table = np.empty(len(columns["solver"]), dtype=fields)
-    for name, _ in fields:
-        table[name] = columns[name]
-    return table
+    """One row per solver, outlier ratio and noise level."""
 
 
 def sweep(
@@ -112,4 +67,4 @@ def sweep(
         fresh,
         progress,
     )
-    return SweepResult(_table(trial_columns, _TRIAL_FIELDS), _table(cell_columns, _CELL_FIELDS))
+    return SweepResult(structured(trial_columns), structured(cell_columns))

@@ -23,5 +23,6 @@ void bind_registration(nanobind::module_& module);
 void bind_problems(nanobind::module_& module);
 void bind_metrics(nanobind::module_& module);
 void bind_sweep(nanobind::module_& module);
+void bind_compare(nanobind::module_& module);
 
 }  // namespace consimd::python

@@ -15,6 +15,7 @@ NB_MODULE(_core, module) {
   bind_problems(module);
   bind_metrics(module);
   bind_sweep(module);
+  bind_compare(module);
   module.attr("__version__") = CONSIMD_VERSION;
   nanobind::module_::import_("atexit").attr("register")(
       nanobind::cpp_function(&join_work_left_behind, nanobind::call_guard<nanobind::gil_scoped_release>()));

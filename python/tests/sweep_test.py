@@ -56,6 +56,14 @@ def test_columns(capsys):
     assert capsys.readouterr().out == ""
 
 
+def test_every_column_has_a_meaning():
+    trials, cells = consimd.sweep(points=100, outliers=[0.2], sigma=[1.0], trials=1)
+    meanings = consimd.table_columns()
+    for name, table in (("trials", trials), ("cells", cells)):
+        assert tuple(meanings[name]) == table.dtype.names
+        assert all(meanings[name].values())
+
+
 def test_the_default_noise_levels_are_the_papers():
     trials, _ = consimd.sweep(points=50, outliers=[0.1], trials=1)
     assert np.array_equal(trials["sigma"], np.round(np.linspace(0.1, 5, 50), 12))

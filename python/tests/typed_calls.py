@@ -34,7 +34,11 @@ assert_type(synth.rotation_error_deg(result.pose, problem.pose), float)
 
 trials, cells = consimd.sweep(points=100, outliers=[0.5], sigma=[1.0], trials=2, progress=lambda done, total: None)
 recalls: NDArray[np.float64] = cells["recall"]
+runs, tables = consimd.compare(synthetic="facade", trials=1, solvers=["tcf"], scales=[1, 2.0], out="folder")
+assert_type(tables["solvers"].rows, list[list[str]])
+assert_type(consimd.table_columns()["runs"]["seed"], str)
 
 consimd.register(points)  # type: ignore[call-overload]  # no target
 consimd.register(points, points, noise_bound="0.2")  # type: ignore[call-overload]
+consimd.compare(trials="1")  # type: ignore[arg-type]
 kernels.alignment_counts(points, points, 1.0)  # type: ignore[arg-type]  # not a Correspondences

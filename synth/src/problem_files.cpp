@@ -1,6 +1,7 @@
 #include <consimd/synth/problem_files.hpp>
 
 #include <charconv>
+#include <cmath>
 #include <cstddef>
 #include <fstream>
 #include <ios>
@@ -11,6 +12,10 @@
 #include <string_view>
 #include <system_error>
 #include <utility>
+
+#include <Eigen/Dense>
+
+#include "number_table.hpp"
 
 namespace consimd::synth {
 namespace {
@@ -92,6 +97,61 @@ std::string labels_text(const Problem& problem) {
   return text;
 }
 
+[[noreturn]] void fail(const fs::path& path, const std::string& what) {
+  throw std::runtime_error(path.string() + ": " + what);
+}
+
+/// Three significant digits.
+std::string rounded(double value) {
+  char digits[32];
+  const std::to_chars_result end =
+      std::to_chars(std::begin(digits), std::end(digits), value, std::chars_format::general, 3);
+  return {digits, end.ptr};
+}
+
+NumberTable read_rows(const fs::path& path) {
+  NumberTable table = read_number_table(path, 6);
+  if (table.rows() < 3) fail(path, "expected at least 3 correspondences, got " + std::to_string(table.rows()));
+  return table;
+}
+
+Eigen::Matrix<double, 3, 4> read_matrix(const fs::path& path) {
+  const NumberTable table = read_number_table(path, 4);
+  if (table.rows() != 3 && table.rows() != 4) fail(path, "expected 3 or 4 rows, got " + std::to_string(table.rows()));
+  const Eigen::Map<const Eigen::Matrix<double, 3, 4, Eigen::RowMajor>> pose(table.values.data());
+  if (table.rows() == 4 &&
+      Eigen::Map<const Eigen::RowVector4d>(table.values.data() + 12) != Eigen::RowVector4d(0, 0, 0, 1)) {
+    fail(path, "the last row must be 0 0 0 1");
+  }
+  return pose;
+}
+
+/// U V^T with the order of each sum written out: Eigen's depends on how it was told to vectorise, and a pose that is
+/// read from a file must have the same bits in every build. The last row has always been summed from its end.
+Eigen::Matrix3d product_with_transpose(const Eigen::Matrix3d& U, const Eigen::Matrix3d& V) {
+  Eigen::Matrix3d product;
+  for (Eigen::Index row = 0; row < 3; ++row) {
+    for (Eigen::Index column = 0; column < 3; ++column) {
+      const double a = U(row, 0) * V(column, 0), b = U(row, 1) * V(column, 1), c = U(row, 2) * V(column, 2);
+      product(row, column) = row < 2 ? (a + b) + c : a + (b + c);
+    }
+  }
+  return product;
+}
+
+RigidTransform nearest_pose(const fs::path& path, const Eigen::Matrix3d& rotation, const Eigen::Vector3d& translation) {
+  constexpr double kTolerance = 1e-3;
+  const double deviation = (rotation * rotation.transpose() - Eigen::Matrix3d::Identity()).cwiseAbs().maxCoeff();
+  if (!(deviation <= kTolerance)) fail(path, "not a rotation: R R^T is " + rounded(deviation) + " off the identity");
+  if (rotation.determinant() < 0.0) fail(path, "not a rotation but a reflection: its determinant is negative");
+
+  const Eigen::JacobiSVD<Eigen::Matrix3d> svd(rotation, Eigen::ComputeFullU | Eigen::ComputeFullV);
+  RigidTransform result = RigidTransform::Identity();
+  result.linear() = product_with_transpose(svd.matrixU(), svd.matrixV());
+  result.translation() = translation;
+  return result;
+}
+
 }  // namespace
 
 void write_problem(const Problem& problem, const fs::path& folder) {
@@ -105,6 +165,40 @@ void write_problem(const Problem& problem, const fs::path& folder) {
   correspondences.commit();
   pose.commit();
   labels.commit();
+}
+
+Correspondences read_correspondences(const fs::path& path) {
+  const NumberTable table = read_rows(path);
+  const PointSpan<double> source{table.values.data(), table.rows(), 6, 1};
+  const PointSpan<double> target{table.values.data() + 3, table.rows(), 6, 1};
+  return {source, target};
+}
+
+RigidTransform read_pose(const fs::path& path) {
+  const Eigen::Matrix<double, 3, 4> matrix = read_matrix(path);
+  return nearest_pose(path, matrix.leftCols<3>(), matrix.col(3));
+}
+
+ScaledPose read_scaled_pose(const fs::path& path) {
+  const Eigen::Matrix<double, 3, 4> matrix = read_matrix(path);
+  const double scale = std::cbrt(matrix.leftCols<3>().determinant());
+  if (scale < 0.0) fail(path, "not a rotation but a reflection: its determinant is negative");
+  if (!(scale > 0.0) || !std::isfinite(scale)) fail(path, "its scale is " + rounded(scale) + ", expected one above 0");
+  return {nearest_pose(path, matrix.leftCols<3>() / scale, matrix.col(3)), scale};
+}
+
+Problem read_problem(const fs::path& correspondences, const fs::path& pose, double noise_bound) {
+  const NumberTable table = read_rows(correspondences);
+  Problem problem;
+  problem.T_target_source = read_pose(pose);
+  for (std::size_t row = 0; row < table.rows(); ++row) {
+    const double* const numbers = table.values.data() + 6 * row;
+    problem.source.insert(problem.source.end(), numbers, numbers + 3);
+    problem.target.insert(problem.target.end(), numbers + 3, numbers + 6);
+    const Eigen::Map<const Eigen::Vector3d> source(numbers), target(numbers + 3);
+    problem.is_inlier.push_back((problem.T_target_source * source - target).norm() < noise_bound ? 1 : 0);
+  }
+  return problem;
 }
 
 }  // namespace consimd::synth

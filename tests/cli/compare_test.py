@@ -128,7 +128,7 @@ class Compare(CommandTest):
         self.run_command(*SMALL, "--filter", "tcf")
         self.assertEqual({run["method"] for run in self.rows("c/runs.csv")}, {"tcf+tcf", "tcf+ransac"})
         self.assertIn("after TCF's filter", (self.folder / "c/tables.md").read_text())
-        self.assert_error(*SMALL, "--fresh", "--filter", "tcf", "--table", "poses", says="--filter: it is for")
+        self.assert_error(*SMALL, "--fresh", "--filter", "tcf", "--table", "poses", says="filter: it is for")
 
     def test_same_results_for_any_threads_and_isa(self):
         self.run_command(*SMALL)

@@ -69,7 +69,7 @@ quietly ctest --test-dir "$work/examples" --output-on-failure --no-tests=error
 say "pkg-config"
 for name in static shared; do
   pc=$work-$name/prefix/$(cd "$work-$name/prefix" && find . -name pkgconfig)
-  for program in "register_synthetic consimd-solvers consimd-synth" "count_consistent consimd-kernels"; do
+  for program in "register_synthetic consimd-solvers consimd-synth" "run_sweep consimd-studies" "count_consistent consimd-kernels"; do
     read -r -a words <<<"$program"
     read -r -a flags < <(PKG_CONFIG_PATH=$pc pkg-config --cflags --libs "${words[@]:1}")
     quietly g++ -std=c++20 -O1 -o "$work-${words[0]}" "$consumer/${words[0]}.cpp" "${flags[@]}" "-Wl,-rpath,$pc/.."
@@ -97,7 +97,7 @@ for library in "$work-shared"/prefix/lib*/libconsimd_*.so "$work-shared"/prefix/
   [[ $soname =~ ^libconsimd_[a-z]+\.so\.[0-9]+\.[0-9]+$ ]] || fail "$library has the soname '$soname'"
   [[ -e $(dirname "$library")/$soname ]] || fail "$soname is not installed"
 done
-((${#libraries[@]} == 4)) || fail "expected four shared libraries, found ${#libraries[@]}"
+((${#libraries[@]} == 5)) || fail "expected five shared libraries, found ${#libraries[@]}"
 
 # --- Flags ------------------------------------------------------------------------------------------------------------
 

@@ -31,7 +31,7 @@ create_package() {
 quietly "$venv/bin/conan" remove --confirm 'consimd/*'
 create_package --options '&:kernels_only=True'
 create_package --options '&:shared=True'
-create_package  # last: it leaves the programs of which one is run below
+create_package --options '&:studies=True'  # last: it leaves the programs of which one is run below
 
 # --- vcpkg --------------------------------------------------------------------------------------------------------------
 
@@ -71,7 +71,7 @@ pkg_config() {
   quietly "$work/$1/program"
 }
 
-install_port vcpkg-static "core;solvers" static
+install_port vcpkg-static "core;solvers;studies" static
 consume vcpkg-static Release
 consume vcpkg-static Debug
 grep -q vcpkg-static/installed/debug/lib/libconsimd_solvers.a "$work/vcpkg-static/consumer-Debug/build.ninja" ||
@@ -79,6 +79,7 @@ grep -q vcpkg-static/installed/debug/lib/libconsimd_solvers.a "$work/vcpkg-stati
 say "pkg-config"
 pkg_config vcpkg-static lib register_synthetic consimd-solvers consimd-synth
 pkg_config vcpkg-static debug/lib register_synthetic consimd-solvers consimd-synth
+pkg_config vcpkg-static lib run_sweep consimd-studies
 
 install_port vcpkg-core core dynamic
 consume vcpkg-core Release -DKERNELS_ONLY=ON -DCMAKE_DISABLE_FIND_PACKAGE_Eigen3=ON -DCMAKE_DISABLE_FIND_PACKAGE_TBB=ON

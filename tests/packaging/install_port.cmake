@@ -32,14 +32,14 @@ endfunction()
 dependencies_of(dependencies dependencies)
 foreach(feature IN LISTS FEATURES)
   if(NOT feature STREQUAL core)
-    dependencies_of(of_feature features ${feature} dependencies)
+    dependencies_of(of_feature features ${feature} dependencies)  # the port itself among them means another of its features
     list(APPEND dependencies ${of_feature})
   endif()
 endforeach()
 
 # A header is found in the installed tree alone, a package of the distribution only when the manifest names its port.
 set(environment_options -DCMAKE_PREFIX_PATH=${CURRENT_INSTALLED_DIR} -DCMAKE_IGNORE_PATH=/usr/include)
-foreach(pair IN ITEMS eigen3:Eigen3 tbb:TBB)
+foreach(pair IN ITEMS eigen3:Eigen3 fmt:fmt nlohmann-json:nlohmann_json tbb:TBB)
   string(REPLACE ":" ";" pair ${pair})
   list(GET pair 0 port)
   list(GET pair 1 package)

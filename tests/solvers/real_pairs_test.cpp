@@ -1,13 +1,13 @@
 // Real pairs: correspondences/<case>/{correspondences.txt, pose.txt, case.json} in the folder CONSIMD_TEST_DATA.
 #include <consimd/solvers/solver.hpp>
 #include <consimd/synth/metrics.hpp>
+#include <consimd/synth/problem_files.hpp>
 
 #include <nlohmann/json.hpp>
 
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
-#include <iterator>
 #include <string>
 #include <vector>
 
@@ -15,27 +15,6 @@
 
 namespace consimd::test {
 namespace {
-
-std::vector<double> numbers_in(const std::filesystem::path& file) {
-  std::ifstream in(file);
-  return {std::istream_iterator<double>(in), std::istream_iterator<double>()};
-}
-
-Problem read_pair(const std::filesystem::path& folder) {
-  Problem problem;
-  const std::vector<double> rows = numbers_in(folder / "correspondences.txt");
-  for (std::size_t i = 0; i + 6 <= rows.size(); i += 6) {
-    problem.source.insert(problem.source.end(), &rows[i], &rows[i] + 3);
-    problem.target.insert(problem.target.end(), &rows[i] + 3, &rows[i] + 6);
-    problem.is_inlier.push_back(0);
-  }
-  const std::vector<double> pose = numbers_in(folder / "pose.txt");
-  if (pose.size() >= 12) {
-    problem.T_target_source.matrix().topRows<3>() =
-        Eigen::Map<const Eigen::Matrix<double, 3, 4, Eigen::RowMajor>>(pose.data());
-  }
-  return problem;
-}
 
 class RealPairs : public ::testing::TestWithParam<std::string> {};
 INSTANTIATE_TEST_SUITE_P(Solvers, RealPairs, ::testing::Values("tcf", "pcr99", "sc2_pcr", "turboreg"),
@@ -54,10 +33,10 @@ TEST_P(RealPairs, AreRegisteredWithinTheirLimits) {
     SCOPED_TRACE(folder.filename().string());
     std::ifstream file(folder / "case.json");
     const nlohmann::json limits = nlohmann::json::parse(file);
-    const Problem problem = read_pair(folder);
+    const double noise_bound = limits.at("noise_bound").get<double>();
+    const Problem problem = synth::read_problem(folder / "correspondences.txt", folder / "pose.txt", noise_bound);
     ASSERT_EQ(problem.size(), limits.at("correspondences").get<std::size_t>());
     const Correspondences correspondences = problem.correspondences();
-    const double noise_bound = limits.at("noise_bound").get<double>();
     const std::uint64_t seeds = trials(5);
     std::uint64_t within = 0;
     for (std::uint64_t seed = 1; seed <= seeds; ++seed) {

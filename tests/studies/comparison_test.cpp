@@ -21,6 +21,10 @@
 namespace consimd::studies {
 namespace {
 
+using test::TemporaryFolder;
+using test::text_of;
+using test::write_text;
+
 using testing::HasSubstr;
 using testing::ThrowsMessage;
 
@@ -110,11 +114,24 @@ TEST(ComparisonFolder, NamesTheDifferenceToAnotherComparison) {
   EXPECT_THAT(open, ThrowsMessage<std::runtime_error>(HasSubstr("it has seed 5, not 6")));
   { const ComparisonFolder files(folder / "c", comparison, other, true); }
   EXPECT_NO_THROW(open());
-  write_text(folder / "c/runs.csv", std::string(kRunColumns) + "\nfacade,0,magic,5,success,1,0,0,1,1,1,1,0,0\n");
+  write_text(folder / "c/runs.csv", csv_header(kRunColumns) + "\nfacade,0,magic,5,success,1,0,0,1,1,1,1,0,0\n");
   EXPECT_THAT(open,
               ThrowsMessage<std::runtime_error>(HasSubstr("runs.csv:2: magic on facade 0 with seed 5 is not of")));
   std::filesystem::remove(folder / "c/comparison.json");
   EXPECT_THAT(open, ThrowsMessage<std::runtime_error>(HasSubstr("no comparison.json says")));
+}
+
+TEST(ComparisonFolder, IsHeldByOneProcess) {
+  const TemporaryFolder folder;
+  Comparison first = small_comparison(), second = small_comparison();
+  const ComparisonFacts facts{.options = {{"seed", "5"}}, .isa = "scalar"};
+  const ComparisonFolder files(folder / "c", first, facts, false);
+  const std::string before = text_of(folder / "c/comparison.json");
+  for (const bool fresh : {false, true}) {
+    EXPECT_THAT([&] { const ComparisonFolder other(folder / "c", second, facts, fresh); },
+                ThrowsMessage<std::runtime_error>(HasSubstr("another process is writing to this folder")));
+  }
+  EXPECT_EQ(text_of(folder / "c/comparison.json"), before);
 }
 
 TEST(Comparison, RefusesWhatATableCannotHold) {

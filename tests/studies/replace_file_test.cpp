@@ -9,6 +9,10 @@
 namespace consimd::studies {
 namespace {
 
+using test::TemporaryFolder;
+using test::text_of;
+using test::write_text;
+
 namespace fs = std::filesystem;
 
 std::size_t entries(const fs::path& folder) {

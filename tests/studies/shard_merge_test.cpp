@@ -15,6 +15,10 @@
 namespace consimd::studies {
 namespace {
 
+using test::TemporaryFolder;
+using test::text_of;
+using test::write_text;
+
 namespace fs = std::filesystem;
 using testing::AllOf;
 using testing::HasSubstr;

@@ -15,6 +15,10 @@
 namespace consimd::studies {
 namespace {
 
+using test::TemporaryFolder;
+using test::text_of;
+using test::write_text;
+
 using testing::AllOf;
 using testing::HasSubstr;
 using testing::ThrowsMessage;
@@ -49,12 +53,12 @@ TEST(StudyFolder, HoldsSortedTrialsCellsAndSummary) {
   const TrialTable table = run_in(folder / "study", 1000);
   const std::vector<std::string> trials = lines(folder / "study/trials.csv");
   ASSERT_EQ(trials.size(), 13u);
-  EXPECT_EQ(trials[0], kTrialColumns);
+  EXPECT_EQ(trials[0], csv_header(kTrialColumns));
   for (std::size_t i = 0; i < table.size(); ++i) EXPECT_EQ(trials[i + 1] + "\n", to_csv_row(table.records()[i]));
 
   const std::vector<std::string> cells = lines(folder / "study/cells.csv");
   ASSERT_EQ(cells.size(), 5u);
-  EXPECT_EQ(cells[0], kCellColumns);
+  EXPECT_EQ(cells[0], csv_header(kCellColumns));
   EXPECT_TRUE(cells[4].starts_with("tcf,0.8,1,3,")) << cells[4];
 
   const auto summary = nlohmann::json::parse(text_of(folder / "study/summary.json"));
@@ -138,7 +142,7 @@ TEST(StudyFolder, KeepsLimitsUntilAFreshStart) {
     TrialTable table(small_study());
     StudyFolder(folder / "study", table, kFacts, false).append(limit);
   }
-  EXPECT_EQ(lines(folder / "study/limits.csv").front(), kLimitColumns);
+  EXPECT_EQ(lines(folder / "study/limits.csv").front(), csv_header(kLimitColumns));
   TrialTable table(small_study());
   EXPECT_EQ(StudyFolder(folder / "study", table, kFacts, false).limits(), limits);
   EXPECT_TRUE(StudyFolder(folder / "study", table, kFacts, true).limits().empty());
@@ -152,7 +156,7 @@ TEST(StudyFolder, RefusesForeignLimits) {
   const std::string good = to_csv_row({.sigma = 1.0, .problems = kLimitProblems});
   for (const std::string& bad : {good, to_csv_row({.sigma = 2.0, .problems = kLimitProblems}),
                                  to_csv_row({.sigma = 0.1, .problems = kLimitProblems + 1})}) {
-    std::string table_text(kLimitColumns);
+    std::string table_text = csv_header(kLimitColumns);
     table_text.append("\n").append(good).append(bad);
     write_text(folder / "study/limits.csv", table_text);
     TrialTable table(small_study());

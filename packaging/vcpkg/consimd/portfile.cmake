@@ -1,7 +1,9 @@
 # An overlay port: it builds the checkout, or the unpacked release, that it lies in.
 cmake_path(SET SOURCE_PATH NORMALIZE "${CURRENT_PORT_DIR}/../../..")
 
-vcpkg_check_features(OUT_FEATURE_OPTIONS feature_options INVERTED_FEATURES solvers CONSIMD_KERNELS_ONLY)
+vcpkg_check_features(OUT_FEATURE_OPTIONS feature_options
+  FEATURES studies CONSIMD_BUILD_STUDIES
+  INVERTED_FEATURES solvers CONSIMD_KERNELS_ONLY)
 
 vcpkg_cmake_configure(
   SOURCE_PATH "${SOURCE_PATH}"

@@ -53,10 +53,11 @@ fs::path table_file(std::string_view name) { return fmt::format("table_{}.csv", 
 ComparisonFolder::ComparisonFolder(fs::path folder, Comparison& comparison, const ComparisonFacts& facts, bool fresh)
     : folder_(std::move(folder)) {
   require_writable_folder(folder_);
+  lock_.emplace(folder_);
   if (fresh) remove_comparison();
   if (fs::exists(folder_ / kSummary) || fs::exists(folder_ / kRuns)) resume(comparison, facts);
   replace_file(folder_ / kSummary, summary(comparison, facts));
-  if (comparison.filled() == 0) replace_file(folder_ / kRuns, fmt::format("{}\n", kRunColumns));
+  if (comparison.filled() == 0) replace_file(folder_ / kRuns, csv_header(kRunColumns) + "\n");
   open_runs();
 }
 
@@ -83,7 +84,8 @@ void ComparisonFolder::resume(Comparison& comparison, const ComparisonFacts& fac
     throw std::runtime_error(fmt::format("{} holds another comparison: {}; {}", folder_.string(), other, kRemedy));
   }
   if (!fs::exists(folder_ / kRuns)) return;
-  for_each_whole_row(folder_ / kRuns, kRunColumns, [&](std::string_view line) { comparison.put(parse_run_row(line)); });
+  for_each_whole_row(folder_ / kRuns, csv_header(kRunColumns),
+                     [&](std::string_view line) { comparison.put(parse_run_row(line)); });
 }
 
 void ComparisonFolder::append(const RunRecord& record) {
@@ -94,7 +96,7 @@ void ComparisonFolder::append(const RunRecord& record) {
 void ComparisonFolder::write(const Comparison& comparison, const std::vector<TextTable>& tables,
                              const ComparisonFacts& facts) {
   runs_.close();
-  std::string runs = fmt::format("{}\n", kRunColumns);
+  std::string runs = csv_header(kRunColumns) + "\n";
   for (const RunRecord& record : comparison.done()) runs += to_csv_row(record);
   replace_file(folder_ / kRuns, runs);
   open_runs();

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <span>
 
-#include <fmt/format.h>
+#include "files/csv_rows.hpp"
 
 namespace consimd::studies {
 namespace {
@@ -59,11 +59,7 @@ RatioSummary summarise(std::span<const CellSummary> cells, std::span<const Trial
 
 }  // namespace
 
-std::string to_csv_row(const CellSummary& c) {
-  return fmt::format("{},{},{},{},{},{},{},{},{},{},{},{}\n", c.solver, c.outlier_ratio, c.sigma, c.trials, c.recall,
-                     c.recall_interval.low, c.recall_interval.high, c.error.rotation_deg, c.error.translation,
-                     c.oracle_error.rotation_deg, c.oracle_error.translation, c.seconds_median);
-}
+std::string to_csv_row(const CellSummary& cell) { return csv_row(kCellColumns, cell); }
 
 std::vector<CellSummary> summarise_cells(const TrialTable& table) {
   std::vector<CellSummary> cells;

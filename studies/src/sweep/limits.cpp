@@ -8,14 +8,13 @@
 #include <numbers>
 #include <stdexcept>
 
-#include <fmt/format.h>
 #include <tbb/parallel_for.h>
 
 #include <consimd/solvers/solver.hpp>
 #include <consimd/synth/hard_problems.hpp>
 #include <consimd/synth/noise_study.hpp>
 
-#include "files/csv_fields.hpp"
+#include "files/csv_rows.hpp"
 
 namespace consimd::studies {
 namespace {
@@ -59,23 +58,9 @@ ChanceProblem run_problem(const SweepOptions& options, double sigma, std::uint32
 
 }  // namespace
 
-std::string to_csv_row(const LimitRecord& r) {
-  return fmt::format("{},{},{},{},{},{}\n", r.sigma, r.problems, r.chance_support_mean, r.chance_support_max,
-                     r.fixed_support_mean, r.limit_outlier_ratio);
-}
+std::string to_csv_row(const LimitRecord& record) { return csv_row(kLimitColumns, record); }
 
-LimitRecord parse_limit_row(std::string_view line) {
-  CsvFields fields(line);
-  LimitRecord record;
-  record.sigma = fields.number<double>();
-  record.problems = fields.number<std::uint32_t>();
-  record.chance_support_mean = fields.number<double>();
-  record.chance_support_max = fields.number<std::uint64_t>();
-  record.fixed_support_mean = fields.number<double>();
-  record.limit_outlier_ratio = fields.number<double>();
-  fields.finish();
-  return record;
-}
+LimitRecord parse_limit_row(std::string_view line) { return parse_csv_row<LimitRecord>(kLimitColumns, line); }
 
 double limit_outlier_ratio(std::size_t points, double chance_support, double fixed_support) {
   const auto n = static_cast<double>(points);

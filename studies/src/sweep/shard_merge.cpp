@@ -89,7 +89,7 @@ void for_each_row_so_far(const fs::path& path, std::string_view columns,
 TrialTable read_trials(const ShardFolder& shard, const SweepOptions& options) {
   TrialTable table(options, shard.shard);
   if (fs::exists(shard.path / kTrialsFile)) {
-    for_each_row_so_far(shard.path / kTrialsFile, kTrialColumns,
+    for_each_row_so_far(shard.path / kTrialsFile, csv_header(kTrialColumns),
                         [&](std::string_view line) { table.put(parse_trial_row(line)); });
   }
   return table;
@@ -139,7 +139,7 @@ std::vector<LimitRecord> merge_limits(const std::vector<ShardFolder>& shards, co
   for (const ShardFolder& shard : shards) {
     std::vector<double> levels = limit_levels(options, shard.shard);
     if (const fs::path path = shard.path / kLimitsFile; fs::exists(path)) {
-      for_each_row_so_far(path, kLimitColumns, [&](std::string_view line) {
+      for_each_row_so_far(path, csv_header(kLimitColumns), [&](std::string_view line) {
         const LimitRecord limit = parse_limit_row(line);
         if (limit.problems != kLimitProblems || std::erase(levels, limit.sigma) != 1) {
           throw std::invalid_argument(fmt::format("noise level {} with {} problems is not of shard {}", limit.sigma,

@@ -48,18 +48,18 @@ void require_same_study(const fs::path& folder, const TrialTable& table) {
 }
 
 void write_tables(const fs::path& folder, const TrialTable& table) {
-  std::string trials = fmt::format("{}\n", kTrialColumns);
+  std::string trials = csv_header(kTrialColumns) + "\n";
   table.for_each([&](const TrialRecord& record) { trials += to_csv_row(record); });
   replace_file(folder / kTrialsFile, trials);
 
   if (table.shard()) return;
-  std::string cells = fmt::format("{}\n", kCellColumns);
+  std::string cells = csv_header(kCellColumns) + "\n";
   for (const CellSummary& cell : summarise_cells(table)) cells += to_csv_row(cell);
   replace_file(folder / kCellsFile, cells);
 }
 
 void write_limits(const fs::path& folder, const std::vector<LimitRecord>& limits) {
-  std::string text = fmt::format("{}\n", kLimitColumns);
+  std::string text = csv_header(kLimitColumns) + "\n";
   for (const LimitRecord& row : limits) text += to_csv_row(row);
   replace_file(folder / kLimitsFile, text);
 }
@@ -74,7 +74,7 @@ StudyFolder::StudyFolder(fs::path folder, TrialTable& table, const RunFacts& fac
   if (holds_study(folder_)) resume(table);
 
   replace_file(folder_ / kSummaryFile, summary_json(table, facts));
-  if (table.filled() == 0) replace_file(folder_ / kTrialsFile, fmt::format("{}\n", kTrialColumns));
+  if (table.filled() == 0) replace_file(folder_ / kTrialsFile, csv_header(kTrialColumns) + "\n");
   trials_.open(folder_ / kTrialsFile, std::ios::binary | std::ios::app);
 }
 
@@ -85,7 +85,7 @@ void StudyFolder::resume(TrialTable& table) {
 }
 
 void StudyFolder::read_trials(TrialTable& table) {
-  for_each_whole_row(folder_ / kTrialsFile, kTrialColumns,
+  for_each_whole_row(folder_ / kTrialsFile, csv_header(kTrialColumns),
                      [&](std::string_view line) { table.put(parse_trial_row(line)); });
 }
 
@@ -104,7 +104,7 @@ void StudyFolder::finish(const TrialTable& table, RunFacts facts) {
 void StudyFolder::read_limits(const TrialTable& table) {
   const fs::path path = folder_ / kLimitsFile;
   const std::vector<double> levels = limit_levels(table.options(), table.shard());
-  for_each_row(path, read_text(path), kLimitColumns, [&](std::string_view line) {
+  for_each_row(path, read_text(path), csv_header(kLimitColumns), [&](std::string_view line) {
     const LimitRecord limit = parse_limit_row(line);
     if (limit.problems != kLimitProblems || std::ranges::count(levels, limit.sigma) == 0 ||
         std::ranges::count(limits_, limit.sigma, &LimitRecord::sigma) != 0) {

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include <consimd/studies/statistics.hpp>
+#include <consimd/studies/table_columns.hpp>
 #include <consimd/studies/trial_table.hpp>
 
 #pragma GCC visibility push(default)
@@ -44,9 +45,25 @@ struct RatioSummary {
   double seconds_median = 0.0;  ///< over all trials
 };
 
-inline constexpr std::string_view kCellColumns =
-    "solver,outlier_ratio,sigma,trials,recall,recall_low,recall_high,rotation_error_deg_mean,translation_error_mean,"
-    "oracle_rotation_error_deg_mean,oracle_translation_error_mean,seconds_median";
+inline constexpr std::tuple kCellColumns{
+    Column{"solver", &CellSummary::solver, "name of the solver"},
+    Column{"outlier_ratio", &CellSummary::outlier_ratio, "share of wrong correspondences"},
+    Column{"sigma", &CellSummary::sigma, "standard deviation of an inlier's noise, metres an axis"},
+    Column{"trials", &CellSummary::trials, "problems of the cell"},
+    Column{"recall", &CellSummary::recall, "share of successes"},
+    Column{"recall_low", member_of(&CellSummary::recall_interval, &Interval::low),
+           "lower end of its 95 % Wilson interval"},
+    Column{"recall_high", member_of(&CellSummary::recall_interval, &Interval::high), "upper end of that interval"},
+    Column{"rotation_error_deg_mean", member_of(&CellSummary::error, &PoseError::rotation_deg),
+           "mean over all trials, failures included, degrees"},
+    Column{"translation_error_mean", member_of(&CellSummary::error, &PoseError::translation),
+           "mean over all trials, failures included, metres"},
+    Column{"oracle_rotation_error_deg_mean", member_of(&CellSummary::oracle_error, &PoseError::rotation_deg),
+           "that of least squares on the true inliers, degrees"},
+    Column{"oracle_translation_error_mean", member_of(&CellSummary::oracle_error, &PoseError::translation),
+           "that of least squares on the true inliers, metres"},
+    Column{"seconds_median", &CellSummary::seconds_median, "median time of a registration"},
+};
 
 /// A line with its newline.
 [[nodiscard]] std::string to_csv_row(const CellSummary& cell);

@@ -3,11 +3,13 @@
 
 #include <filesystem>
 #include <fstream>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
 
 #include <consimd/studies/comparison.hpp>
+#include <consimd/studies/folder_lock.hpp>
 #include <consimd/studies/text_table.hpp>
 
 #pragma GCC visibility push(default)
@@ -31,6 +33,7 @@ class ComparisonFolder {
  public:
   /// Opens or makes the folder, puts the runs of an earlier call into `comparison`, and gets ready to append. A folder
   /// that holds another comparison is an error that names the difference, unless `fresh`: then its files are removed.
+  /// So is a folder that another process has open.
   ComparisonFolder(std::filesystem::path folder, Comparison& comparison, const ComparisonFacts& facts, bool fresh);
 
   void append(const RunRecord& record);
@@ -44,6 +47,7 @@ class ComparisonFolder {
   void open_runs();
 
   std::filesystem::path folder_;
+  std::optional<FolderLock> lock_;
   std::ofstream runs_;
 };
 

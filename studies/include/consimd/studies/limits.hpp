@@ -11,6 +11,7 @@
 
 #include <consimd/studies/shard.hpp>
 #include <consimd/studies/sweep_options.hpp>
+#include <consimd/studies/table_columns.hpp>
 
 #pragma GCC visibility push(default)
 
@@ -22,18 +23,27 @@ inline constexpr std::uint32_t kLimitProblems = 10;
 /// One row of limits.csv: what chance does at a noise level. A pose is supported by the correspondences within the
 /// noise bound, 3 sigma.
 struct LimitRecord {
-  double sigma = 0.0;                    ///< metres
-  std::uint32_t problems = 0;            ///< without a true pose
-  double chance_support_mean = 0.0;      ///< of the best pose that the search finds in such a problem
-  std::uint64_t chance_support_max = 0;  ///< largest of the problems
-  double fixed_support_mean = 0.0;       ///< of a pose drawn without regard to the correspondences
-  double limit_outlier_ratio = 0.0;      ///< see `limit_outlier_ratio`
+  double sigma = 0.0;
+  std::uint32_t problems = 0;
+  double chance_support_mean = 0.0;
+  std::uint64_t chance_support_max = 0;
+  double fixed_support_mean = 0.0;
+  double limit_outlier_ratio = 0.0;
 
   bool operator==(const LimitRecord&) const = default;
 };
 
-inline constexpr std::string_view kLimitColumns =
-    "sigma,problems,chance_support_mean,chance_support_max,fixed_support_mean,limit_outlier_ratio";
+inline constexpr std::tuple kLimitColumns{
+    Column{"sigma", &LimitRecord::sigma, "standard deviation of an inlier's noise, metres an axis"},
+    Column{"problems", &LimitRecord::problems, "problems without a true pose"},
+    Column{"chance_support_mean", &LimitRecord::chance_support_mean,
+           "supporters of the best pose that the search finds in such a problem, mean"},
+    Column{"chance_support_max", &LimitRecord::chance_support_max, "the most of them in one of the problems"},
+    Column{"fixed_support_mean", &LimitRecord::fixed_support_mean,
+           "supporters of a pose drawn without regard to the correspondences, mean"},
+    Column{"limit_outlier_ratio", &LimitRecord::limit_outlier_ratio,
+           "outlier ratio at which the true pose has no more supporters than the best wrong one"},
+};
 
 /// A line with its newline. Numbers read back to the same bits.
 [[nodiscard]] std::string to_csv_row(const LimitRecord& record);

@@ -1,8 +1,14 @@
-// Problems as text files that `consimd register` and any script can read.
+// Problems as text files: written for `consimd register` and any script, and read.
+//
+// A file of numbers has rows of as many numbers each, separated by blanks or single commas, whatever the locale. '#'
+// starts a comment; empty lines, CRLF ends and a UTF-8 byte-order mark are allowed. Anything else (another count of
+// numbers, text, NaN, infinity) is a std::runtime_error "FILE:LINE: what".
 #pragma once
 
 #include <filesystem>
 
+#include <consimd/kernels/correspondences.hpp>
+#include <consimd/poses/rigid_fit.hpp>
 #include <consimd/synth/problem.hpp>
 
 #pragma GCC visibility push(default)
@@ -17,6 +23,28 @@ namespace consimd::synth {
 /// Every file is written whole under a temporary name before the first is renamed, so a failure leaves nothing
 /// half-written. Throws std::runtime_error naming the path.
 void write_problem(const Problem& problem, const std::filesystem::path& folder);
+
+/// Reads N >= 3 rows of source x y z and target x y z. Throws std::runtime_error that names the file, and the line
+/// where there is one.
+[[nodiscard]] Correspondences read_correspondences(const std::filesystem::path& path);
+
+/// Reads a 4 x 4 or 3 x 4 matrix [R t]. R must be a rotation within 1e-3 an entry of R R^T, as files with few digits
+/// are; the nearest rotation is returned. Throws std::runtime_error that names the file.
+[[nodiscard]] RigidTransform read_pose(const std::filesystem::path& path);
+
+/// x_target = R (scale * x_source) + t.
+struct ScaledPose {
+  RigidTransform T_target_source = RigidTransform::Identity();
+  double scale = 1.0;
+};
+
+/// Reads a 4 x 4 or 3 x 4 matrix [s R t], R a rotation as above, s > 0. Throws std::runtime_error that names the file.
+[[nodiscard]] ScaledPose read_scaled_pose(const std::filesystem::path& path);
+
+/// Reads a problem of real data: its correspondences, and the rigid true pose. Rows within `noise_bound` of that pose
+/// are the inliers. Throws std::runtime_error that names the file.
+[[nodiscard]] Problem read_problem(const std::filesystem::path& correspondences, const std::filesystem::path& pose,
+                                   double noise_bound);
 
 }  // namespace consimd::synth
 

@@ -5,7 +5,7 @@
 #include <filesystem>
 #include <vector>
 
-namespace consimd::cli {
+namespace consimd::synth {
 
 /// A table of numbers, row-major.
 struct NumberTable {
@@ -20,4 +20,4 @@ struct NumberTable {
 /// anything else: another count of numbers, text, NaN or infinity.
 [[nodiscard]] NumberTable read_number_table(const std::filesystem::path& path, std::size_t columns);
 
-}  // namespace consimd::cli
+}  // namespace consimd::synth

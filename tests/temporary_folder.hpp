@@ -8,7 +8,7 @@
 #include <stdexcept>
 #include <string>
 
-namespace consimd::studies {
+namespace consimd::test {
 
 class TemporaryFolder {
  public:
@@ -36,4 +36,4 @@ inline void write_text(const std::filesystem::path& path, const std::string& tex
   std::ofstream(path, std::ios::binary) << text;
 }
 
-}  // namespace consimd::studies
+}  // namespace consimd::test

@@ -8,11 +8,11 @@
 
 #include "temporary_folder.hpp"
 
-namespace consimd::cli {
+namespace consimd::synth {
 namespace {
 
-using studies::TemporaryFolder;
-using studies::write_text;
+using test::TemporaryFolder;
+using test::write_text;
 using testing::ElementsAre;
 using testing::EndsWith;
 using testing::ThrowsMessage;
@@ -80,4 +80,4 @@ TEST_F(NumberTableTest, NamesAMissingFileAndAFolder) {
 }
 
 }  // namespace
-}  // namespace consimd::cli
+}  // namespace consimd::synth

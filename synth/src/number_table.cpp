@@ -10,9 +10,7 @@
 #include <string_view>
 #include <system_error>
 
-#include <fmt/format.h>
-
-namespace consimd::cli {
+namespace consimd::synth {
 namespace {
 
 constexpr std::string_view kBlanks = " \t\v\f\r";
@@ -20,12 +18,12 @@ constexpr std::string_view kBlanks = " \t\v\f\r";
 std::string read_text(const std::filesystem::path& path) {
   std::error_code ignored;
   if (std::filesystem::is_directory(path, ignored)) {
-    throw std::runtime_error(fmt::format("{}: is a folder, expected a file", path.string()));
+    throw std::runtime_error(path.string() + ": is a folder, expected a file");
   }
   errno = 0;
   std::ifstream file(path, std::ios::binary);
   if (!file) {
-    throw std::runtime_error(fmt::format("{}: cannot read: {}", path.string(), std::generic_category().message(errno)));
+    throw std::runtime_error(path.string() + ": cannot read: " + std::generic_category().message(errno));
   }
   return {std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
 }
@@ -48,11 +46,10 @@ double parse(std::string_view word) {
   double value = 0.0;
   const auto [rest, error] = std::from_chars(first, last, value);
   if (error == std::errc::result_out_of_range) {
-    throw std::invalid_argument(fmt::format("'{}' is out of a double's range", shown(word)));
+    throw std::invalid_argument("'" + shown(word) + "' is out of a double's range");
   }
-  if (error != std::errc() || rest != last)
-    throw std::invalid_argument(fmt::format("'{}' is not a number", shown(word)));
-  if (!std::isfinite(value)) throw std::invalid_argument(fmt::format("'{}' is not finite", shown(word)));
+  if (error != std::errc() || rest != last) throw std::invalid_argument("'" + shown(word) + "' is not a number");
+  if (!std::isfinite(value)) throw std::invalid_argument("'" + shown(word) + "' is not finite");
   return value;
 }
 
@@ -91,12 +88,13 @@ NumberTable read_number_table(const std::filesystem::path& path, std::size_t col
     if (line.empty()) continue;
     try {
       const std::size_t count = append_numbers(line, table.values);
-      if (count != columns) throw std::invalid_argument(fmt::format("expected {} numbers, got {}", columns, count));
+      if (count != columns)
+        throw std::invalid_argument("expected " + std::to_string(columns) + " numbers, got " + std::to_string(count));
     } catch (const std::invalid_argument& error) {
-      throw std::runtime_error(fmt::format("{}:{}: {}", path.string(), number, error.what()));
+      throw std::runtime_error(path.string() + ":" + std::to_string(number) + ": " + error.what());
     }
   }
   return table;
 }
 
-}  // namespace consimd::cli
+}  // namespace consimd::synth

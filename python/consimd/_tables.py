@@ -1,0 +1,34 @@
+"""Tables of studies as structured arrays."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+from consimd import _core
+
+if TYPE_CHECKING:
+    import numpy as np
+    from numpy.typing import NDArray
+
+_SHORTEST_TEXT = 32
+
+
+def structured(columns: dict[str, Any]) -> NDArray[np.void]:
+    """A structured array of columns by name: arrays, or lists of str."""
+    import numpy as np
+
+    fields: list[tuple[str, Any]] = []
+    for name, values in columns.items():
+        if isinstance(values, list):
+            fields.append((name, f"U{max([_SHORTEST_TEXT, *map(len, values)])}"))
+        else:
+            fields.append((name, values.dtype))
+    table = np.empty(len(next(iter(columns.values()))), dtype=fields)
+    for name, values in columns.items():
+        table[name] = values
+    return table
+
+
+def table_columns() -> dict[str, dict[str, str]]:
+    """What the columns of `sweep` (trials, cells) and `compare` (runs) mean, by table and name, in their order."""
+    return {"trials": _core.trial_columns(), "cells": _core.cell_columns(), "runs": _core.run_columns()}

@@ -1,0 +1,97 @@
+// Comparisons of solvers.
+#include <consimd/studies/comparison.hpp>
+
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+#include <nanobind/stl/filesystem.h>
+#include <nanobind/stl/optional.h>
+#include <nanobind/stl/string.h>
+#include <nanobind/stl/string_view.h>
+#include <nanobind/stl/vector.h>
+#include <tbb/info.h>
+
+#include <consimd/kernels/isa.hpp>
+#include <consimd/solvers/solver.hpp>
+
+#include <consimd/studies/compare_options.hpp>
+#include <consimd/studies/comparison_folder.hpp>
+#include "bindings.hpp"
+#include "study_tables.hpp"
+
+namespace consimd::python {
+namespace {
+
+using Numbers = std::optional<std::vector<double>>;
+
+/// As the command's options take them.
+std::string to_text(const std::vector<double>& values) { return fmt::format("{}", fmt::join(values, ",")); }
+
+nb::tuple to_tuple(const studies::TextTable& table) {
+  return nb::make_tuple(table.name, table.title, table.caption, table.columns, table.rows, studies::to_markdown(table));
+}
+
+nb::tuple run(const std::optional<std::filesystem::path>& cases, std::vector<std::string> synthetic,
+              std::uint32_t trials, std::size_t points, const Numbers& outliers, const Numbers& sigma,
+              std::vector<std::string> tables, std::optional<std::vector<std::string>> solvers, std::string_view filter,
+              std::string thresholds, std::optional<std::vector<std::uint32_t>> iterations,
+              std::uint32_t iteration_problems, Numbers scales, std::uint64_t seed, std::uint32_t seeds,
+              std::optional<int> threads, const std::optional<std::filesystem::path>& folder_path, bool fresh,
+              const nb::object& progress) {
+  studies::CompareOptions options;
+  if (cases) options.cases = cases->string();
+  options.synthetic = std::move(synthetic);
+  options.trials = trials;
+  options.points = points;
+  if (outliers) options.outliers = to_text(*outliers);
+  if (sigma) options.sigma = to_text(*sigma);
+  options.tables.tables = std::move(tables);
+  if (solvers) options.tables.solvers = std::move(*solvers);
+  options.tables.filtered = filter_by_name(filter) == Filter::tcf;
+  options.tables.preset = std::move(thresholds);
+  if (iterations) options.tables.iterations = std::move(*iterations);
+  options.iteration_problems = iteration_problems;
+  if (scales) options.tables.scales = std::move(*scales);
+  options.seed = seed;
+  options.seeds = seeds;
+  const std::optional<int> limit = checked_threads(threads);
+  studies::Comparison comparison = studies::make_comparison(options);
+  const studies::ComparisonFacts facts{.options = studies::option_texts(options),
+                                       .isa = to_string(active_isa()),
+                                       .threads = limit.value_or(tbb::info::default_concurrency())};
+  std::optional<studies::ComparisonFolder> folder;
+  if (folder_path) folder.emplace(*folder_path, comparison, facts, fresh);
+
+  run_study(comparison.filled(), comparison.size(), limit, progress, [&](const auto& stop_requested, const auto& step) {
+    studies::run_comparison(comparison, {.on_run =
+                                             [&](const studies::RunRecord& record) {
+                                               if (folder) folder->append(record);
+                                               step();
+                                             },
+                                         .stop_requested = stop_requested});
+  });
+  const std::vector<studies::TextTable> results = studies::make_tables(options.tables, comparison);
+  if (folder) folder->write(comparison, results, facts);
+  nb::list list;
+  for (const studies::TextTable& table : results) list.append(to_tuple(table));
+  return nb::make_tuple(to_columns(comparison.done(), studies::kRunColumns), list);
+}
+
+}  // namespace
+
+void bind_compare(nb::module_& module) {
+  module.def("run_columns", [] { return meanings(studies::kRunColumns); });
+  module.def("run_comparison", &run, nb::arg("cases").none(), nb::arg("synthetic"), nb::arg("trials"),
+             nb::arg("points"), nb::arg("outliers").none(), nb::arg("sigma").none(), nb::arg("tables"),
+             nb::arg("solvers").none(), nb::arg("filter"), nb::arg("thresholds"), nb::arg("iterations").none(),
+             nb::arg("iteration_problems"), nb::arg("scales").none(), nb::arg("seed"), nb::arg("seeds"),
+             nb::arg("threads").none(), nb::arg("folder").none(), nb::arg("fresh"), nb::arg("progress").none());
+}
+
+}  // namespace consimd::python

@@ -1,0 +1,45 @@
+// What a comparison runs.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include <consimd/studies/comparison.hpp>
+#include <consimd/studies/comparison_folder.hpp>
+#include <consimd/studies/paper_tables.hpp>
+
+#pragma GCC visibility push(default)
+
+namespace consimd::studies {
+
+/// Defaults: all solvers on the stand-ins, the table "solvers".
+struct CompareOptions {
+  std::string cases = {};  ///< folder of cases, see `case_folder_groups`; empty: none
+  /// Names of stand-ins, "stand-ins" (all), "eth", "kitti", "noise" (cells of the noise study). Empty: all stand-ins,
+  /// unless there are cases.
+  std::vector<std::string> synthetic = {};
+  std::uint32_t trials = 20;  ///< problems of each stand-in, noise cell, and scale with its noise
+  std::size_t points = 3000;  ///< correspondences of a noise cell's problem
+  // Of the noise cells, as `parse_value_list` reads them; noise in metres an axis.
+  std::string outliers = "0.1,0.5,0.9,0.95,0.98,0.99";
+  std::string sigma = "0.1,1,2.5,5";
+  TableOptions tables;
+  std::uint32_t iteration_problems = 200;  ///< of the table "iterations"
+  std::uint64_t seed = 1;                  ///< of the data; synthetic problem k starts its solvers with seed + k
+  std::uint32_t seeds = 1;                 ///< runs of a method on each case, with seeds one after the other
+
+  CompareOptions();
+};
+
+/// The runs that the options ask for, none of them done. Throws std::invalid_argument on a bad value, and what reading
+/// a folder of cases throws.
+[[nodiscard]] Comparison make_comparison(const CompareOptions& options);
+
+/// All that decides what is run, as comparison.json tells it.
+[[nodiscard]] std::vector<OptionText> option_texts(const CompareOptions& options);
+
+}  // namespace consimd::studies
+
+#pragma GCC visibility pop

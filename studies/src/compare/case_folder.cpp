@@ -1,0 +1,114 @@
+#include <consimd/studies/case_folder.hpp>
+
+#include <algorithm>
+#include <cmath>
+#include <fstream>
+#include <map>
+#include <stdexcept>
+#include <string>
+#include <system_error>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include <consimd/synth/problem_files.hpp>
+
+namespace consimd::studies {
+namespace fs = std::filesystem;
+namespace {
+
+constexpr const char* kCorrespondences = "correspondences.txt";
+constexpr const char* kPose = "pose.txt";
+constexpr const char* kCase = "case.json";
+constexpr const char* kMaxRotation = "max_rotation_error_deg";
+constexpr const char* kMaxTranslation = "max_translation_error_m";
+
+nlohmann::json read_json(const fs::path& path) {
+  std::ifstream file(path);
+  nlohmann::json json = nlohmann::json::parse(file, nullptr, false);
+  if (!json.is_object()) throw std::runtime_error(fmt::format("{}: expected a JSON object", path.string()));
+  return json;
+}
+
+std::optional<double> positive_number(const nlohmann::json& json, const char* key) {
+  const auto found = json.find(key);
+  if (found == json.end() || !found->is_number()) return std::nullopt;
+  const double value = found->get<double>();
+  return value > 0.0 && std::isfinite(value) ? std::optional(value) : std::nullopt;
+}
+
+double required(const std::optional<double>& number, const char* key, const fs::path& path) {
+  if (number) return *number;
+  throw std::runtime_error(fmt::format("{}: expected a number above 0 as {}", path.string(), key));
+}
+
+std::string text(const nlohmann::json& json, const char* key, const fs::path& path) {
+  const auto found = json.find(key);
+  if (found == json.end()) return {};
+  if (found->is_string()) return found->get<std::string>();
+  throw std::runtime_error(fmt::format("{}: expected a text as {}", path.string(), key));
+}
+
+PoseLimits limits_of(const CaseFile& file, const fs::path& path, std::string_view preset) {
+  try {
+    if (const auto limits = preset_limits(preset, file.dataset)) return *limits;
+  } catch (const std::invalid_argument& error) {
+    throw std::runtime_error(fmt::format("{}: {}", path.string(), error.what()));
+  }
+  return file.limits(path);
+}
+
+}  // namespace
+
+PoseLimits CaseFile::limits(const fs::path& path) const {
+  return {required(max_rotation_error_deg, kMaxRotation, path), required(max_translation_error, kMaxTranslation, path)};
+}
+
+CaseFile read_case_file(const fs::path& path) {
+  const nlohmann::json json = read_json(path);
+  return {.noise_bound = required(positive_number(json, "noise_bound"), "noise_bound", path),
+          .max_rotation_error_deg = positive_number(json, kMaxRotation),
+          .max_translation_error = positive_number(json, kMaxTranslation),
+          .dataset = text(json, "dataset", path),
+          .sequence = text(json, "sequence", path)};
+}
+
+std::vector<CaseGroup> case_folder_groups(const fs::path& folder, std::uint64_t seed, std::string_view preset) {
+  std::error_code error;
+  std::vector<fs::path> folders;
+  for (const auto& entry : fs::directory_iterator(folder, error)) {
+    if (entry.is_directory() && fs::exists(entry.path() / kCorrespondences)) folders.push_back(entry.path());
+  }
+  if (error) throw std::runtime_error(fmt::format("{}: cannot read: {}", folder.string(), error.message()));
+  if (folders.empty()) {
+    throw std::runtime_error(fmt::format("{}: no sub-folder holds a {}", folder.string(), kCorrespondences));
+  }
+  std::ranges::sort(folders);
+
+  std::map<std::string, CaseGroup> groups;
+  for (const fs::path& of : folders) {
+    for (const char* name : {kPose, kCase}) {
+      if (!fs::exists(of / name)) throw std::runtime_error(fmt::format("{}: is missing", (of / name).string()));
+    }
+    const fs::path path = of / kCase;
+    const CaseFile file = read_case_file(path);
+    std::string group = file.dataset.empty() ? (folder / "").parent_path().filename().string() : file.dataset;
+    if (!file.sequence.empty()) group += " " + file.sequence;
+    groups[group].cases.push_back({.name = of.filename().string(),
+                                   .noise_bound = file.noise_bound,
+                                   .seed = seed,
+                                   .limits = limits_of(file, path, preset),
+                                   .load = [of, bound = file.noise_bound] {
+                                     return synth::read_problem(of / kCorrespondences, of / kPose, bound);
+                                   }});
+  }
+  std::vector<CaseGroup> result;
+  for (auto& [name, group] : groups) {
+    group.name = name;
+    group.provenance = fmt::format("files of the folder {}", (folder / "").parent_path().filename().string());
+    result.push_back(std::move(group));
+  }
+  return result;
+}
+
+}  // namespace consimd::studies

@@ -1,0 +1,81 @@
+// Rows of a study's tables as lines of text, and back.
+#pragma once
+
+#include <charconv>
+#include <iterator>
+#include <stdexcept>
+#include <string>
+#include <string_view>
+#include <system_error>
+#include <type_traits>
+
+#include <fmt/format.h>
+
+#include <consimd/studies/table_columns.hpp>
+
+namespace consimd::studies {
+
+/// Takes the fields of a line from left to right. Throws std::invalid_argument that says what is wrong.
+class CsvFields {
+ public:
+  explicit CsvFields(std::string_view line) : rest_(line) {}
+
+  void take(std::string& value) { value = text(); }
+  void take(bool& value) {
+    int number = 0;
+    take(number);
+    value = number != 0;
+  }
+  template <typename Number>
+  void take(Number& value) {
+    const std::string_view field = text();
+    const char* end = field.data() + field.size();
+    const auto [rest, error] = std::from_chars(field.data(), end, value);
+    if (error != std::errc() || rest != end) throw std::invalid_argument(fmt::format("bad value '{}'", field));
+  }
+
+  void finish() const {
+    if (!exhausted_) throw std::invalid_argument("too many columns");
+  }
+
+ private:
+  std::string_view text() {
+    if (exhausted_) throw std::invalid_argument("too few columns");
+    const std::size_t comma = rest_.find(',');
+    const std::string_view field = rest_.substr(0, comma);
+    exhausted_ = comma == std::string_view::npos;
+    if (!exhausted_) rest_.remove_prefix(comma + 1);
+    return field;
+  }
+
+  std::string_view rest_;
+  bool exhausted_ = false;
+};
+
+/// A line with its newline. Numbers read back to the same bits; a truth value is 1 or 0.
+template <typename Columns, typename Row>
+[[nodiscard]] std::string csv_row(const Columns& columns, const Row& row) {
+  std::string line;
+  for_each_column(columns, [&](const auto& column) {
+    const auto& value = column.value(row);
+    if constexpr (std::is_same_v<std::remove_cvref_t<decltype(value)>, bool>) {
+      line += value ? "1," : "0,";
+    } else {
+      fmt::format_to(std::back_inserter(line), "{},", value);
+    }
+  });
+  line.back() = '\n';
+  return line;
+}
+
+/// Inverse of `csv_row`, the newline left out. Throws std::invalid_argument that says what is wrong.
+template <typename Row, typename Columns>
+[[nodiscard]] Row parse_csv_row(const Columns& columns, std::string_view line) {
+  CsvFields fields(line);
+  Row row;
+  for_each_column(columns, [&](const auto& column) { fields.take(column.value(row)); });
+  fields.finish();
+  return row;
+}
+
+}  // namespace consimd::studies

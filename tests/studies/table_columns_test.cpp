@@ -1,0 +1,53 @@
+#include <consimd/studies/table_columns.hpp>
+
+#include <filesystem>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <consimd/studies/cell_summary.hpp>
+#include <consimd/studies/limits.hpp>
+#include <consimd/studies/run_record.hpp>
+#include <consimd/studies/trial_record.hpp>
+#include "temporary_folder.hpp"
+
+namespace consimd::studies {
+namespace {
+
+/// The file's first line, which scripts rely on: written out here, so that no change goes unnoticed.
+TEST(TableColumns, AreThoseThatScriptsRead) {
+  EXPECT_EQ(csv_header(kTrialColumns),
+            "solver,outlier_ratio,sigma,trial,seed,status,success,rmse_true_inliers,rotation_error_deg,"
+            "translation_error,oracle_rotation_error_deg,oracle_translation_error,inlier_precision,inlier_recall,"
+            "seconds");
+  EXPECT_EQ(csv_header(kCellColumns),
+            "solver,outlier_ratio,sigma,trials,recall,recall_low,recall_high,rotation_error_deg_mean,"
+            "translation_error_mean,oracle_rotation_error_deg_mean,oracle_translation_error_mean,seconds_median");
+  EXPECT_EQ(csv_header(kLimitColumns),
+            "sigma,problems,chance_support_mean,chance_support_max,fixed_support_mean,limit_outlier_ratio");
+  EXPECT_EQ(csv_header(kRunColumns),
+            "group,case,method,seed,status,success,rotation_error_deg,translation_error,rows,inliers,kept,"
+            "kept_inliers,seconds,scale_error");
+}
+
+/// Rows of a page's table of columns, in the words of the declarations.
+template <typename Columns>
+std::string page_rows(const Columns& columns) {
+  std::string rows;
+  for_each_column(columns, [&](const auto& column) {
+    rows += "| `" + std::string(column.name) + "` | " + std::string(column.meaning) + " |\n";
+  });
+  return rows;
+}
+
+TEST(TableColumns, StandInThePages) {
+  const std::filesystem::path docs = std::filesystem::path(CONSIMD_DOCS);
+  const std::string study = test::text_of(docs / "noise_study.md");
+  EXPECT_THAT(study, testing::HasSubstr(page_rows(kTrialColumns)));
+  EXPECT_THAT(study, testing::HasSubstr(page_rows(kCellColumns)));
+  EXPECT_THAT(study, testing::HasSubstr(page_rows(kLimitColumns)));
+  EXPECT_THAT(test::text_of(docs / "comparison.md"), testing::HasSubstr(page_rows(kRunColumns)));
+}
+
+}  // namespace
+}  // namespace consimd::studies

@@ -1,0 +1,103 @@
+#include <consimd/synth/problem_files.hpp>
+
+#include <stdexcept>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <Eigen/Dense>
+
+#include <consimd/synth/noise_study.hpp>
+#include "temporary_folder.hpp"
+
+namespace consimd::synth {
+namespace {
+
+class PoseReadingTest : public testing::Test {
+ protected:
+  RigidTransform read(const std::string& text) {
+    test::write_text(folder_ / "pose.txt", text);
+    return read_pose(folder_ / "pose.txt");
+  }
+  test::TemporaryFolder folder_;
+};
+
+constexpr const char* kQuarterTurn = "0 -1 0 5\n1 0 0 6\n0 0 1 7\n";
+
+TEST_F(PoseReadingTest, ReadsThreeAndFourRows) {
+  for (const std::string& text : {std::string(kQuarterTurn), kQuarterTurn + std::string("0 0 0 1\n")}) {
+    const Eigen::Vector3d moved = read(text) * Eigen::Vector3d(1, 0, 0);
+    EXPECT_TRUE(moved.isApprox(Eigen::Vector3d(5, 7, 7))) << moved.transpose();
+  }
+}
+
+TEST_F(PoseReadingTest, MakesARotationOfRoundedNumbers) {
+  const RigidTransform pose = read("0.866 -0.5 0 0\n0.5 0.866 0 0\n0 0 1 0\n");
+  EXPECT_TRUE((pose.linear() * pose.linear().transpose()).isIdentity(1e-15));
+  EXPECT_GT(pose.linear().determinant(), 0.0);
+  EXPECT_NEAR(pose.linear()(0, 0), 0.866, 1e-4);
+}
+
+TEST_F(PoseReadingTest, RefusesWhatIsNoRigidPose) {
+  for (const char* text : {
+           "",
+           "1 0 0 0\n0 1 0 0\n",                             // two rows
+           "1 0 0 0\n0 1 0 0\n0 0 1 0\n0 0 0 1\n0 0 0 1\n",  // five
+           "1 0 0 0\n0 1 0 0\n0 0 1 0\n0 0 0 2\n",           // projective
+           "2 0 0 0\n0 2 0 0\n0 0 2 0\n0 0 0 1\n",           // scaled
+           "1 0 0 0\n0 1 0 0\n0 0 -1 0\n0 0 0 1\n",          // reflection
+           "0 0 0 0\n0 0 0 0\n0 0 0 0\n0 0 0 1\n",           // nothing
+           "1 0 0 nan\n0 1 0 0\n0 0 1 0\n0 0 0 1\n",
+           "1 0 0\n0 1 0\n0 0 1\n",  // rotation alone
+           "1.01 0 0 0\n0 1 0 0\n0 0 1 0\n0 0 0 1\n",
+       }) {
+    EXPECT_THROW((void)read(text), std::runtime_error) << text;
+  }
+}
+
+TEST_F(PoseReadingTest, ReadsAScale) {
+  test::write_text(folder_ / "pose.txt", "0 -0.5 0 5\n0.5 0 0 6\n0 0 0.5 7\n");
+  const ScaledPose pose = read_scaled_pose(folder_ / "pose.txt");
+  EXPECT_DOUBLE_EQ(pose.scale, 0.5);
+  EXPECT_TRUE((pose.T_target_source * Eigen::Vector3d(1, 0, 0)).isApprox(Eigen::Vector3d(5, 7, 7)));
+  for (const char* text :
+       {"0 0 0 0\n0 0 0 0\n0 0 0 0\n", "1 0 0 0\n0 2 0 0\n0 0 1 0\n", "-1 0 0 0\n0 1 0 0\n0 0 1 0\n"}) {
+    test::write_text(folder_ / "pose.txt", text);
+    EXPECT_THROW(static_cast<void>(read_scaled_pose(folder_ / "pose.txt")), std::runtime_error) << text;
+  }
+}
+
+class ProblemReadingTest : public testing::Test {
+ protected:
+  test::TemporaryFolder folder_;
+};
+
+TEST_F(ProblemReadingTest, ReadsWhatIsWritten) {
+  const Problem written = noise_study_problem({.correspondences = 100, .outlier_ratio = 0.3, .sigma = 0.1});
+  write_problem(written, folder_ / "p");
+  const Problem read = read_problem(folder_ / "p/correspondences.txt", folder_ / "p/pose.txt", 1.0);
+  EXPECT_EQ(read.source, written.source);
+  EXPECT_EQ(read.target, written.target);
+  EXPECT_EQ(read.is_inlier, written.is_inlier);
+  EXPECT_TRUE(read.T_target_source.isApprox(written.T_target_source, 1e-14));
+  EXPECT_EQ(read_correspondences(folder_ / "p/correspondences.txt").size(), 100u);
+}
+
+TEST_F(ProblemReadingTest, NamesTheFileAtFault) {
+  write_problem(noise_study_problem({.correspondences = 100}), folder_ / "p");
+  const std::filesystem::path rows = folder_ / "p/correspondences.txt", pose = folder_ / "p/pose.txt";
+  const auto refused = [&](const std::string& says) {
+    EXPECT_THAT([&] { (void)read_problem(rows, pose, 1.0); },
+                testing::ThrowsMessage<std::runtime_error>(testing::HasSubstr(says)));
+  };
+  test::write_text(pose, "1 0 0 0\n0 1 0 0\n");
+  refused("pose.txt: expected 3 or 4 rows, got 2");
+  test::write_text(rows, "0 0 0 0 0 0\n1 1 1 1 1\n");
+  refused("correspondences.txt:2: expected 6 numbers, got 5");
+  test::write_text(rows, "0 0 0 0 0 0\n1 1 1 1 1 1\n");
+  refused("correspondences.txt: expected at least 3 correspondences, got 2");
+  std::filesystem::remove(rows);
+  refused("correspondences.txt: cannot read: No such file or directory");
+}
+
+}  // namespace
+}  // namespace consimd::synth
