@@ -16,6 +16,7 @@
 #include "interruption.hpp"
 #include "option_checks.hpp"
 #include "progress.hpp"
+#include "solver_arguments.hpp"
 #include "threads.hpp"
 
 namespace consimd::cli {
@@ -23,6 +24,7 @@ namespace {
 
 struct Options {
   studies::CompareOptions study;
+  std::vector<std::string> settings;
   std::string filter = "none";
   int threads = 1;
   std::string out = "consimd-compare";
@@ -31,6 +33,7 @@ struct Options {
 
 int run_compare(Options options) {
   studies::TableOptions& tables = options.study.tables;
+  tables.solvers = labels_of(tables.solvers, options.settings);
   tables.filtered = filter_by_name(options.filter) == Filter::tcf;
   studies::Comparison comparison = studies::make_comparison(options.study);
   const studies::ComparisonFacts facts{
@@ -99,9 +102,10 @@ void add_compare_command(CLI::App& app, Action& run) {
   command->add_option("--table", study.tables.tables, "Tables to make, separated by commas; listed below")
       ->delimiter(',')
       ->capture_default_str();
-  command->add_option("--solver", study.tables.solvers, "Solvers, separated by commas; 'consimd info' lists them")
+  command->add_option("--solver", study.tables.solvers, "Solvers, separated by commas, each " + solver_help())
       ->delimiter(',')
       ->capture_default_str();
+  add_option_setting(*command, options->settings);
   add_filter_option(*command, options->filter);
   command->add_option("--thresholds", study.tables.preset, "Limits of a success; listed below")->capture_default_str();
   command->add_option("--iterations", study.tables.iterations, "Samples of plain RANSAC, for the table of that name")
@@ -135,6 +139,7 @@ void add_compare_command(CLI::App& app, Action& run) {
       "  consimd compare --cases kitti --thresholds kitti06 --seeds 5      your own files\n"
       "  consimd compare --synthetic eth --solver tcf,ransac-50k           stand-ins for the paper's ETH scans\n"
       "  consimd compare --table boost,stages,poses --synthetic trees,kitti01\n"
+      "  consimd compare --solver ransac:max_iterations=10000:confidence=none,ransac,tcf\n"
       "  consimd compare --table iterations\n"
       "  consimd compare --table scales --solver pcr99,teaser",
       listed(studies::paper_tables()), listed(studies::limit_presets())));

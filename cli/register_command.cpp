@@ -12,11 +12,11 @@
 #include <consimd/synth/problem_files.hpp>
 
 #include <consimd/studies/replace_file.hpp>
-#include <consimd/studies/sweep_options.hpp>
 #include "commands.hpp"
 #include "filter_option.hpp"
 #include "option_checks.hpp"
 #include "register_report.hpp"
+#include "solver_arguments.hpp"
 #include "threads.hpp"
 
 namespace consimd::cli {
@@ -25,10 +25,11 @@ namespace {
 struct Options {
   std::string file;
   std::optional<double> noise_bound;
-  std::string solver = "tcf";
-  std::string filter = "none";
+  std::string solver = solvers().front().name;
+  std::vector<std::string> settings;
+  std::string filter{to_string(SolverOptions().filter)};
   bool estimate_scale = false;
-  std::uint64_t seed = 1;
+  std::uint64_t seed = SolverOptions().seed;
   std::uint32_t repeat = 1;
   int threads = 1;
   std::string truth;
@@ -40,35 +41,36 @@ void check(const Options& options) {
     throw std::invalid_argument(
         fmt::format("--noise-bound: expected a finite length > 0, got {}", *options.noise_bound));
   }
-  studies::require_known_solver(options.solver);
   static_cast<void>(filter_by_name(options.filter));
   if (!options.json.empty() && options.json != "-") studies::require_replaceable(options.json);
 }
 
 int run_register(const Options& options) {
   check(options);
+  const SolverChoice choice = choice_of(options.solver, options.settings);
   RegisterReport report{.file = options.file,
                         .isa = std::string(to_string(active_isa())),
                         .threads = options.threads,
-                        .solver = options.solver,
+                        .solver = choice.name(),
+                        .options = choice.given(),
                         .filter = filter_by_name(options.filter),
-                        .estimate_scale = options.estimate_scale,
+                        .estimate_scale = options.estimate_scale || choice.estimates_scale(),
                         .noise_bound = options.noise_bound};
   std::optional<synth::ScaledPose> truth;
   if (!options.truth.empty()) {
-    truth = options.estimate_scale ? synth::read_scaled_pose(options.truth)
-                                   : synth::ScaledPose{synth::read_pose(options.truth)};
+    truth = report.estimate_scale ? synth::read_scaled_pose(options.truth)
+                                  : synth::ScaledPose{synth::read_pose(options.truth)};
   }
   const Correspondences correspondences = synth::read_correspondences(options.file);
   report.correspondences = correspondences.size();
 
   with_threads(options.threads, [&] {
     for (std::uint32_t run = 0; run < options.repeat; ++run) {
-      report.runs.push_back(register_by_name(options.solver, correspondences,
-                                             {.noise_bound = options.noise_bound,
-                                              .seed = options.seed + run,
-                                              .filter = report.filter,
-                                              .estimate_scale = options.estimate_scale}));
+      report.runs.push_back(register_by_choice(choice, correspondences,
+                                               {.noise_bound = options.noise_bound,
+                                                .seed = options.seed + run,
+                                                .filter = report.filter,
+                                                .estimate_scale = options.estimate_scale}));
     }
   });
   if (truth) {
@@ -107,12 +109,14 @@ void add_register_command(CLI::App& app, Action& run) {
       "Largest distance of a true correspondence's target from the moved source, in the file's unit; about 3 "
       "times the noise's standard deviation. Estimated from the correspondences when not given, which takes some "
       "ten times as long");
-  command->add_option("--solver", options->solver, "Solver; 'consimd info' lists them")->capture_default_str();
+  command->add_option("--solver", options->solver, "Solver: " + solver_help())->capture_default_str();
+  add_option_setting(*command, options->settings);
   add_filter_option(*command, options->filter);
   command->add_flag(
       "--estimate-scale", options->estimate_scale,
       "Find the scale of the source as well: x_target = R (scale * x_source) + t. Needs --noise-bound, in "
-      "the target's unit, and a solver that can (pcr99 or teaser)");
+      "the target's unit, and a solver that can (" +
+          scale_solvers() + ")");
   command->add_option("--seed", options->seed, "Seed of the first run")->check(whole_number())->capture_default_str();
   command->add_option("--repeat", options->repeat, "Runs, with seeds seed, seed + 1, ...")
       ->check(whole_number(1, 1'000'000))
@@ -131,6 +135,7 @@ void add_register_command(CLI::App& app, Action& run) {
       "  consimd register pair.txt --noise-bound 0.6                         metres, lidar clouds of 0.3 m voxels\n"
       "  consimd register pair.txt --noise-bound 0.6 --repeat 50 --truth pose.txt\n"
       "  consimd register pair.txt --noise-bound 0.6 --json -                to the next program\n"
+      "  consimd register pair.txt --noise-bound 0.6 --solver ransac --option max_iterations=10000\n"
       "  consimd register pair.txt --noise-bound 0.6 --solver pcr99 --estimate-scale   clouds in different units");
   command->callback([&run, options] { run = [options] { return run_register(*options); }; });
 }

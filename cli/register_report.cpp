@@ -11,6 +11,8 @@
 
 #include <consimd/studies/statistics.hpp>
 
+#include "option_json.hpp"
+
 namespace consimd::cli {
 namespace {
 
@@ -159,6 +161,7 @@ std::string to_json(const RegisterReport& report) {
       {"file", report.file},     {"correspondences", report.correspondences},
       {"isa", report.isa},       {"threads", report.threads},
       {"solver", report.solver}, {"noise_bound", report.noise_bound ? Json(*report.noise_bound) : Json(nullptr)}};
+  if (!report.options.empty()) head["options"] = options_json(report.options);
   if (report.estimate_scale) head["estimate_scale"] = true;
   if (report.filter != Filter::none) head["filter"] = to_string(report.filter);
   std::string text = dump(head);
@@ -169,10 +172,14 @@ std::string to_json(const RegisterReport& report) {
 }
 
 std::string to_text(const RegisterReport& report) {
+  std::string solver = report.solver;
+  for (const OptionSetting& option : report.options) {
+    solver += fmt::format(":{}={}", option.name, to_string(option.value));
+  }
   return fmt::format(
              "file          {}, {} correspondences (lengths below are in its unit)\n"
              "solver        {}{}, noise bound {}, {} on {} thread{}\n",
-             report.file, report.correspondences, report.solver,
+             report.file, report.correspondences, solver,
              report.filter == Filter::none ? "" : fmt::format(" after filter {}", to_string(report.filter)),
              report.noise_bound ? fmt::format("{}", *report.noise_bound) : "estimated", report.isa, report.threads,
              report.threads == 1 ? "" : "s") +

@@ -23,6 +23,7 @@ struct RegisterReport {
   std::string isa;
   int threads = 1;
   std::string solver;
+  std::vector<OptionSetting> options = {};  ///< of the solver, as given
   Filter filter = Filter::none;
   bool estimate_scale = false;
   std::optional<double> noise_bound = {};  ///< none: estimated in each run

@@ -19,6 +19,7 @@
 #include "interruption.hpp"
 #include "option_checks.hpp"
 #include "progress.hpp"
+#include "solver_arguments.hpp"
 #include "study_report.hpp"
 #include "threads.hpp"
 
@@ -29,6 +30,7 @@ struct Options {
   studies::SweepOptions study;
   std::string outliers{studies::kPaperOutlierRatios};
   std::string sigma{studies::kPaperSigmas};
+  std::vector<std::string> settings;
   std::string filter = "none";
   int threads = 1;
   std::string out = "consimd-sweep";
@@ -79,6 +81,7 @@ int run_sweep_command(Options options) {
   const std::string out = shard ? (std::filesystem::path(options.out) / folder_name(*shard)).string() : options.out;
   options.study.outlier_ratios = values_of("--outliers", options.outliers);
   options.study.sigmas = values_of("--sigma", options.sigma);
+  options.study.solvers = labels_of(options.study.solvers, options.settings);
   options.study.filter = filter_by_name(options.filter);
   studies::TrialTable table(std::move(options.study), shard);
   const studies::RunFacts facts{.isa = to_string(active_isa()), .threads = options.threads};
@@ -144,9 +147,10 @@ void add_sweep_command(CLI::App& app, Action& run) {
   command->add_option("--trials", study.trials, "Problems per outlier ratio and noise level")
       ->check(whole_number(1, 1'000'000))
       ->capture_default_str();
-  command->add_option("--solver", study.solvers, "Solvers, separated by commas; 'consimd info' lists them")
+  command->add_option("--solver", study.solvers, "Solvers, separated by commas, each " + solver_help())
       ->delimiter(',')
       ->capture_default_str();
+  add_option_setting(*command, options->settings);
   add_filter_option(*command, options->filter);
   command->add_option("--seed", study.seed, "Seed of the data; trial k runs its solver with seed + k")
       ->check(whole_number())
@@ -178,6 +182,7 @@ void add_sweep_command(CLI::App& app, Action& run) {
       "Examples:\n"
       "  consimd sweep                                                the paper's study: 25000 trials\n"
       "  consimd sweep --outliers 0.9,0.99 --sigma 0.5,1,2 --trials 20 --out quick\n"
+      "  consimd sweep --solver ransac:max_iterations=10000,tcf --trials 20 --out options\n"
       "  consimd sweep --shard 2/4                                    a quarter of it\n"
       "  mpirun -n 4 consimd sweep --shard auto --threads 1           four processes, then: consimd merge\n"
       "  consimd sweep --map --outliers 0.5,0.9,0.95,0.98,0.99,0.995 --sigma 0.1,0.5,1,2,5 --trials 20 --out map");

@@ -15,10 +15,12 @@ from consimd._core import Correspondences, __version__
 from consimd._compare import CompareResult, ComparisonTable, compare
 from consimd._register import (
     NoiseBoundEstimate,
+    OptionDescription,
     Registration,
     RunnerUp,
     Stage,
     Status,
+    describe_options,
     estimate_noise_bound,
     register,
     solver_options,
@@ -32,6 +34,7 @@ __all__ = [
     "ComparisonTable",
     "Correspondences",
     "NoiseBoundEstimate",
+    "OptionDescription",
     "Registration",
     "RunnerUp",
     "Stage",
@@ -39,6 +42,7 @@ __all__ = [
     "SweepResult",
     "__version__",
     "compare",
+    "describe_options",
     "estimate_noise_bound",
     "kernels",
     "register",

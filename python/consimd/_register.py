@@ -58,6 +58,8 @@ class RunnerUp:
     """Correspondences within the noise bound of it."""
     log10_false_poses: float
     """As in `Registration`."""
+    scale: float
+    """As in `Registration`."""
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -128,7 +130,7 @@ def register(
     target: None = None,
     noise_bound: float | None = None,
     solver: str = "tcf",
-    seed: int = 0,
+    seed: int = 1,
     *,
     filter: str = "none",
     threads: int | None = None,
@@ -140,7 +142,7 @@ def register(
     target: ArrayLike,
     noise_bound: float | None = None,
     solver: str = "tcf",
-    seed: int = 0,
+    seed: int = 1,
     *,
     filter: str = "none",
     threads: int | None = None,
@@ -151,7 +153,7 @@ def register(
     target: ArrayLike | None = None,
     noise_bound: float | None = None,
     solver: str = "tcf",
-    seed: int = 0,
+    seed: int = 1,
     *,
     filter: str = "none",
     threads: int | None = None,
@@ -165,11 +167,11 @@ def register(
     noise_bound: largest distance of a true correspondence's target from the moved source, in that unit; about three
         times the noise's standard deviation per axis. None: estimated from the correspondences, which takes some ten
         times as long.
-    solver: one of `solvers()`.
+    solver: one of `solvers()`, or a solver with options as the command takes it: "ransac:max_iterations=1000".
     seed: of the random samples; the same seed gives the same bits, on any number of threads and any processor.
     filter: "tcf" gives the solver only what the two filters of TCF keep; "none" gives it all.
     threads: at most so many; None: all that the process may use.
-    options: the solver's own, see `solver_options(solver)`; the C++ headers explain them. `estimate_scale=True` of `pcr99`
+    options: the solver's own, see `describe_options(solver)`. `estimate_scale=True` of `pcr99`
         and `teaser` finds the scale of the source as well; it needs a noise bound and no filter.
 
     Never raises for want of a pose: the status says so. ValueError on a bad shape or value, TypeError on an unknown
@@ -199,7 +201,7 @@ def register(
 
 
 def estimate_noise_bound(
-    source: ArrayLike | Correspondences, target: ArrayLike | None = None, seed: int = 0, threads: int | None = None
+    source: ArrayLike | Correspondences, target: ArrayLike | None = None, seed: int = 1, threads: int | None = None
 ) -> NoiseBoundEstimate:
     """Estimates what `register` is given as the noise bound, as it does itself without one.
 
@@ -218,6 +220,22 @@ def solvers() -> dict[str, str]:
     return _core.solvers()
 
 
+class OptionDescription(NamedTuple):
+    """An option of a solver."""
+
+    default: bool | int | float | str | None
+    unit: str
+    """Empty where there is none."""
+    expected: str
+    """The values that it may have, in words."""
+    meaning: str
+
+
 def solver_options(solver: str = "tcf") -> dict[str, Any]:
     """The options that `register` takes for a solver beside its own arguments, with their default values."""
-    return _core.default_options(solver)
+    return {name: option.default for name, option in describe_options(solver).items()}
+
+
+def describe_options(solver: str = "tcf") -> dict[str, OptionDescription]:
+    """The options that `register` takes for a solver beside its own arguments: default, unit, range and meaning."""
+    return {name: OptionDescription(*option) for name, option in _core.describe_options(solver).items()}

@@ -42,7 +42,8 @@ def sweep(
     outliers: outlier ratios in [0, 1).
     sigma: standard deviations of the inliers' noise, metres an axis. None: 0.1 to 5 in 50 steps, the paper's.
     trials: problems per outlier ratio and noise level. The defaults make the paper's study, 25 000 registrations.
-    solvers: one name or several, see `consimd.solvers()`; all see the same problems.
+    solvers: one name or several, see `consimd.solvers()`; all see the same problems. Options may follow a name, as in
+        "ransac:max_iterations=10000:confidence=none", and are part of it then.
     seed: of the data; trial k runs its solvers with seed + k.
     filter, threads: as those of `consimd.register`.
     out: a folder that gets trials.csv as trials end, then cells.csv and summary.json. The same call takes up a study

@@ -53,6 +53,8 @@ nb::tuple run(const std::optional<std::filesystem::path>& cases, std::vector<std
   if (sigma) options.sigma = to_text(*sigma);
   options.tables.tables = std::move(tables);
   if (solvers) options.tables.solvers = std::move(*solvers);
+  // However a solver's options were spelt, its name in the tables is one.
+  for (std::string& solver : options.tables.solvers) solver = SolverChoice(solver).label();
   options.tables.filtered = filter_by_name(filter) == Filter::tcf;
   options.tables.preset = std::move(thresholds);
   if (iterations) options.tables.iterations = std::move(*iterations);

@@ -6,6 +6,7 @@
 #include <consimd/kernels/alignment_residuals.hpp>
 #include <consimd/kernels/angle_consistency.hpp>
 #include <consimd/kernels/length_consistency.hpp>
+#include <consimd/kernels/length_ratio.hpp>
 
 #include "array_arguments.hpp"
 #include "array_results.hpp"
@@ -109,6 +110,29 @@ Array<float, -1> bound_alignment_residuals(const SharedCorrespondences& c, Array
   return to_array(std::move(squared));
 }
 
+Array<float, -1> bound_length_disagreement(const SharedCorrespondences& c, ArrayLike seeds_like, double bound,
+                                           double ratio_bound) {
+  const std::vector<std::uint32_t> seeds = indices_from(seeds_like, "seeds");
+  std::vector<float> costs(seeds.size());
+  {
+    const nb::gil_scoped_release unlocked;
+    length_disagreement(*c.rows, seeds, bound, ratio_bound, costs);
+  }
+  return to_array(std::move(costs));
+}
+
+std::tuple<Array<float, -1>, Array<float, -1>> bound_scale_intervals(const SharedCorrespondences& c, std::uint32_t seed,
+                                                                     double bound) {
+  std::vector<float> lows(c.rows->view().words() * kBlock), highs(lows.size());
+  {
+    const nb::gil_scoped_release unlocked;
+    scale_intervals(*c.rows, seed, bound, lows, highs);
+  }
+  lows.resize(c.rows->size());
+  highs.resize(c.rows->size());
+  return {to_array(std::move(lows)), to_array(std::move(highs))};
+}
+
 Counts bound_mismatched_counts(const SharedCorrespondences& c, ArrayLike pose_like, double bound,
                                ArrayLike shifts_like) {
   const WorkingPose pose = working_pose_from(pose_like);
@@ -135,6 +159,15 @@ void bind_consensus_kernels(nb::module_& module) {
       "pairs: (S, 2) rows; bound: caller's unit, > 0. Returns (S,) uint32.");
   module.def("angle_consistency_bits", &bound_angle_bits, c, nb::arg("pairs"), bound,
              "As angle_consistency_counts, with bits (S, words) uint64 before the counts.");
+  module.def("length_disagreement", &bound_length_disagreement, c, nb::arg("seeds"), bound, nb::arg("ratio_bound"),
+             "Sum over all j of min(d_kj, 1) for each seed k: with A and B the lengths of the pair (k, j) in the two\n"
+             "clouds, d_kj = |B^2 - A^2| / min(ratio_bound (A^2 + B^2), bound (A + B)), 0 where both are zero.\n"
+             "seeds: (S,) rows; bound: caller's unit, > 0; ratio_bound: in (0, 1), tanh of a bound on |ln(B / A)|.\n"
+             "Returns (S,) float32.");
+  module.def("scale_intervals", &bound_scale_intervals, c, nb::arg("seed"), bound,
+             "The scales s of the source at which each correspondence j is length consistent with one row `seed`,\n"
+             "|B - s A| < bound with A and B the lengths of the pair: returns the lows max(B - bound, 0) / A and the\n"
+             "highs (B + bound) / A, (N,) float32 each, not finite where A is zero. bound: caller's unit, > 0.");
   module.def("alignment_counts", &bound_alignment_counts, c, nb::arg("poses"), bound,
              "Number of correspondences with | R p + t - q | < bound under each pose.\n"
              "poses: (H, 3, 4) [R | t], working frame; bound: caller's unit, > 0. Returns (H,) uint32.");

@@ -15,12 +15,15 @@ namespace consimd::python {
 namespace {
 
 void make_matrix(ConsistencyMatrix* self, const SharedCorrespondences& c, double bound,
-                 std::optional<double> separation) {
+                 std::optional<double> separation, std::optional<double> ratio_bound) {
+  if (separation && ratio_bound) throw nb::value_error("separation and ratio_bound exclude each other");
   ConsistencyMatrix matrix;
   {
     const nb::gil_scoped_release unlocked;
     if (separation) {
       matrix.compute_separated(*c.rows, bound, *separation);
+    } else if (ratio_bound) {
+      matrix.compute_ratio(*c.rows, bound, *ratio_bound);
     } else {
       matrix.compute(*c.rows, bound);
     }
@@ -70,9 +73,11 @@ void bind_consistency_matrix(nb::module_& module) {
   nb::class_<ConsistencyMatrix>(module, "ConsistencyMatrix",
                                 "Which correspondences agree pairwise in length: an N x N symmetric matrix of bits.")
       .def("__init__", &make_matrix, nb::arg("correspondences"), nb::arg("bound"), nb::arg("separation") = nb::none(),
+           nb::kw_only(), nb::arg("ratio_bound") = nb::none(),
            "bound: largest difference of two lengths, caller's unit, > 0. With a separation (caller's unit, > 0) also\n"
-           "|p_i - p_j| + |q_i - q_j| > separation, so short pairs and the diagonal are not set. Takes\n"
-           "memory_bytes(N): 1.1 MB for 3000 correspondences, 12.6 MB for 10 000.")
+           "|p_i - p_j| + |q_i - q_j| > separation, so short pairs and the diagonal are not set. With a\n"
+           "ratio_bound in (0, 1), of the squared lengths a and b, also |b - a| < ratio_bound (a + b); nor is the\n"
+           "diagonal set then. Takes memory_bytes(N): 1.1 MB for 3000 correspondences, 12.6 MB for 10 000.")
       .def_static("memory_bytes", &ConsistencyMatrix::memory_bytes, nb::arg("correspondences"),
                   "Memory of the matrix of so many correspondences.")
       .def("__len__", &ConsistencyMatrix::size)

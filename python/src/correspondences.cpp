@@ -47,13 +47,16 @@ void bind_isa(nb::module_& module) {
   module.def(
       "set_active_isa", [](std::string_view isa) { set_active_isa(parse_isa(isa)); }, nb::arg("isa"),
       "Makes all later calls of the process run on one of supported_isas(). ValueError on another.");
+  const auto names_of = [](std::span<const Isa> isas) {
+    std::vector<std::string_view> names;
+    for (const Isa isa : isas) names.push_back(to_string(isa));
+    return names;
+  };
   module.def(
-      "supported_isas",
-      [] {
-        std::vector<std::string_view> names;
-        for (const Isa isa : supported_isas()) names.push_back(to_string(isa));
-        return names;
-      },
+      "known_isas", [names_of] { return names_of(known_isas()); },
+      "Names of the instruction sets that there are kernels for, on any processor.");
+  module.def(
+      "supported_isas", [names_of] { return names_of(supported_isas()); },
       "Names of the instruction sets that this processor has, the narrowest, 'scalar', first.");
 }
 

@@ -20,14 +20,16 @@ void bind_metrics(nb::module_& module) {
         return synth::translation_error(transform_from(estimate, "estimate"), transform_from(truth, "truth"));
       },
       nb::arg("estimate"), nb::arg("truth"), "Distance between the translations of two poses, (4, 4), in their unit.");
+  module.def("scale_error", &synth::scale_error, nb::arg("estimate"), nb::arg("truth"),
+             "Relative difference of two scales, |estimate / truth - 1|.");
   module.def(
       "rmse_true_inliers",
-      [](const synth::Problem& problem, ArrayLike estimate) {
-        return synth::rmse_true_inliers(problem, transform_from(estimate, "estimate"));
+      [](const synth::Problem& problem, ArrayLike estimate, double scale) {
+        return synth::rmse_true_inliers(problem, transform_from(estimate, "estimate"), scale);
       },
-      nb::arg("problem"), nb::arg("estimate"),
-      "Root mean square of |R p + t - q| over the true inliers, the problem's unit; NaN without any. The noise study\n"
-      "counts a pose as a success below 3 sigma.");
+      nb::arg("problem"), nb::arg("estimate"), nb::arg("scale") = 1.0,
+      "Root mean square of |R (scale p) + t - q| over the true inliers, the problem's unit; NaN without any. The\n"
+      "scale belongs to the estimate. The noise study counts a pose as a success below 3 sigma.");
   module.def(
       "inlier_quality",
       [](const synth::Problem& problem, ArrayLike reported) {

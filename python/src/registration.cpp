@@ -50,7 +50,7 @@ nb::dict to_dict(const Registration& result) {
   fields["runner_up"] = nb::none();
   if (result.runner_up) {
     fields["runner_up"] = nb::make_tuple(to_array(result.runner_up->T_target_source), result.runner_up->support,
-                                         result.runner_up->log10_false_poses);
+                                         result.runner_up->log10_false_poses, result.runner_up->scale);
   }
   fields["stages"] = to_list(result.stages);
   fields["seconds"] = result.seconds;
@@ -69,22 +69,19 @@ bool is_brief(std::string_view solver, std::size_t rows, const SolverOptions& op
   return solver == "tcf" && options.noise_bound && rows <= kMostRows && given.empty();
 }
 
-nb::dict run_solver(const SharedCorrespondences& correspondences, std::string solver, std::optional<double> noise_bound,
-                    std::uint64_t seed, std::string_view filter, std::optional<int> threads, const nb::dict& given) {
+nb::dict run_solver(const SharedCorrespondences& correspondences, std::string_view solver,
+                    std::optional<double> noise_bound, std::uint64_t seed, std::string_view filter,
+                    std::optional<int> threads, const nb::dict& given) {
   SolverOptions options;
   options.noise_bound = noise_bound;
   options.seed = seed;
   options.filter = filter_by_name(filter);
   const std::optional<int> limit = checked_threads(threads);
-  SolverCall call;
-  if (!given.empty()) call = solver_with_options(solver, seed, given);
-  // Checked with the noise bound and the filter as well.
-  options.estimate_scale = given.contains("estimate_scale") && nb::cast<bool>(given["estimate_scale"]);
+  const SolverChoice choice = solver_with_options(solver, given);
   const auto rows = correspondences.rows;
   const bool brief = is_brief(solver, rows->size(), options, given);
-  const auto work = [rows, solver = std::move(solver), options, limit, call] {
-    return with_threads(
-        limit, [&] { return call ? register_with(call, *rows, options) : register_by_name(solver, *rows, options); });
+  const auto work = [rows, choice, options, limit] {
+    return with_threads(limit, [&] { return register_by_choice(choice, *rows, options); });
   };
   if (!brief) return to_dict(interruptible_result<Registration>(work));
   Registration result;
@@ -109,10 +106,10 @@ void bind_registration(nb::module_& module) {
   module.def("run_solver", &run_solver, nb::arg("correspondences"), nb::arg("solver"), nb::arg("noise_bound").none(),
              nb::arg("seed"), nb::arg("filter"), nb::arg("threads").none(), nb::arg("options"));
   module.def("estimate_noise_bound", &estimate, nb::arg("correspondences"), nb::arg("seed"), nb::arg("threads").none());
-  module.def("default_options", &default_options, nb::arg("solver"));
+  module.def("describe_options", &describe_options, nb::arg("solver"));
   module.def("solvers", [] {
     nb::dict all;
-    for (const SolverInfo& info : solvers()) all[nb::cast(info.name)] = info.description;
+    for (const std::string& name : solver_names()) all[nb::cast(name)] = SolverChoice(name).description();
     return all;
   });
 }

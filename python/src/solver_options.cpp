@@ -1,252 +1,98 @@
 #include "solver_options.hpp"
 
-#include <array>
-#include <concepts>
-#include <functional>
+#include <cstdint>
 #include <optional>
-#include <stdexcept>
 #include <string>
-#include <type_traits>
-#include <utility>
-#include <vector>
+#include <variant>
 
-#include <nanobind/stl/optional.h>
 #include <nanobind/stl/string.h>
-#include <nanobind/stl/string_view.h>
-
-#include <consimd/solvers/mac.hpp>
-#include <consimd/solvers/pcr99.hpp>
-#include <consimd/solvers/ransac.hpp>
-#include <consimd/solvers/sc2_pcr.hpp>
-#include <consimd/solvers/tcf.hpp>
-#include <consimd/solvers/tcf_published.hpp>
-#include <consimd/solvers/teaser.hpp>
-#include <consimd/solvers/turboreg.hpp>
-
-#include "named_values.hpp"
 
 namespace consimd::python {
 
 namespace nb = nanobind;
 
-template <>
-struct NamedValues<PoseRanking> {
-  static constexpr std::array kValues{Named{"inlier_count", PoseRanking::inlier_count},
-                                      Named{"truncated_score", PoseRanking::truncated_score}};
-};
-
-template <>
-struct NamedValues<TeaserOptions::Selection> {
-  static constexpr std::array kValues{Named{"maximum_clique", TeaserOptions::Selection::maximum_clique},
-                                      Named{"maximum_core", TeaserOptions::Selection::maximum_core},
-                                      Named{"everything", TeaserOptions::Selection::everything}};
-};
-
-template <>
-struct NamedValues<GncRotationOptions::Pairs> {
-  static constexpr std::array kValues{Named{"chain", GncRotationOptions::Pairs::chain},
-                                      Named{"all", GncRotationOptions::Pairs::all}};
-};
-
 namespace {
 
-template <typename Value>
-constexpr std::string_view kKind = "a number";
-template <std::unsigned_integral Value>
-constexpr std::string_view kKind<Value> = "a whole number >= 0";
-template <>
-constexpr std::string_view kKind<bool> = "True or False";
-template <>
-constexpr std::string_view kKind<std::optional<double>> = "a number or None";
-template <typename Value>
-requires std::is_enum_v<Value>
-constexpr std::string_view kKind<Value> = "a name";
-
-/// A Python value as an option's.
-template <typename Value>
-Value value_from(nb::handle object, std::string_view name) {
-  using Taken = std::conditional_t<std::is_enum_v<Value>, std::string, Value>;
-  Taken taken{};
-  if (!nb::try_cast(object, taken)) {
-    const std::string message = std::string(name) + " is " + nb::repr(object).c_str() + ", expected ";
-    const std::string expected(kKind<Value>);
-    // A number of the right type that does not fit.
-    if (PyLong_Check(object.ptr()) && std::is_integral_v<Value>) throw nb::value_error((message + expected).c_str());
-    throw nb::type_error((message + expected).c_str());
-  }
-  if constexpr (std::is_enum_v<Value>) {
-    return value_named<Value>(taken, name);
-  } else {
-    return taken;
-  }
+/// A Python object as a value of the kind that a range is of; nothing if it is of another.
+std::optional<OptionValue> value_from(const TruthRange& /*range*/, nb::handle object) {
+  if (!PyBool_Check(object.ptr())) return std::nullopt;
+  return object.is(Py_True);
 }
 
-template <typename Value>
-nb::object to_object(const Value& value) {
-  if constexpr (std::is_enum_v<Value>) {
-    return nb::cast(name_of(value));
-  } else {
+std::optional<OptionValue> value_from(const WholeRange& /*range*/, nb::handle object) {
+  std::uint64_t number = 0;
+  if (PyBool_Check(object.ptr()) || !nb::try_cast(object, number)) return std::nullopt;
+  return number;
+}
+
+std::optional<OptionValue> value_from(const RealRange& /*range*/, nb::handle object) {
+  double number = 0.0;
+  if (PyBool_Check(object.ptr()) || !nb::try_cast(object, number)) return std::nullopt;
+  return number;
+}
+
+std::optional<OptionValue> value_from(const NameRange& /*range*/, nb::handle object) {
+  std::string name;
+  if (!nb::try_cast(object, name)) return std::nullopt;
+  return name;
+}
+
+OptionValue value_from(const SolverOption& option, nb::handle object) {
+  if (option.may_be_none && object.is_none()) return std::monostate();
+  const std::optional<OptionValue> value =
+      std::visit([&](const auto& range) { return value_from(range, object); }, option.range);
+  if (value) return *value;
+  const std::string message = option.name + " is " + nb::repr(object).c_str() + ", expected " + expectation(option);
+  // Of the right type, but negative or larger than any.
+  const bool whole = std::holds_alternative<WholeRange>(option.range) && !PyBool_Check(object.ptr());
+  if (whole && PyIndex_Check(object.ptr())) throw nb::value_error(message.c_str());
+  throw nb::type_error(message.c_str());
+}
+
+struct ToObject {
+  nb::object operator()(std::monostate /*none*/) const { return nb::none(); }
+  template <typename Value>
+  nb::object operator()(const Value& value) const {
     return nb::cast(value);
   }
-}
-
-template <typename Options>
-struct Option {
-  template <typename Value>
-  Option(const char* option_name, Value Options::*member)
-      : name(option_name),
-        set([member, option_name](Options& options, nb::handle object) {
-          options.*member = value_from<Value>(object, option_name);
-        }),
-        get([member](const Options& options) { return to_object(options.*member); }) {}
-
-  std::string_view name;
-  std::function<void(Options&, nb::handle)> set;
-  std::function<nb::object(const Options&)> get;
 };
 
-template <typename Options>
-using OptionList = std::vector<Option<Options>>;
-
-OptionList<TcfOptions> options_of(const TcfOptions& /*of*/) {
-  return {{"confidence", &TcfOptions::confidence},
-          {"max_seeds", &TcfOptions::max_seeds},
-          {"matrix_budget_bytes", &TcfOptions::matrix_budget_bytes}};
-}
-
-OptionList<TcfPublishedOptions> options_of(const TcfPublishedOptions& /*of*/) {
-  return {{"confidence", &TcfPublishedOptions::confidence}, {"max_iterations", &TcfPublishedOptions::max_iterations}};
-}
-
-OptionList<RansacOptions> options_of(const RansacOptions& /*of*/) {
-  return {{"max_iterations", &RansacOptions::max_iterations},
-          {"confidence", &RansacOptions::confidence},
-          {"length_tolerance", &RansacOptions::length_tolerance},
-          {"local_optimisation", &RansacOptions::local_optimisation}};
-}
-
-OptionList<Sc2PcrOptions> options_of(const Sc2PcrOptions& /*of*/) {
-  return {{"length_tolerance", &Sc2PcrOptions::length_tolerance},
-          {"seed_radius", &Sc2PcrOptions::seed_radius},
-          {"seed_share", &Sc2PcrOptions::seed_share},
-          {"power_iterations", &Sc2PcrOptions::power_iterations},
-          {"first_set", &Sc2PcrOptions::first_set},
-          {"second_set", &Sc2PcrOptions::second_set},
-          {"ranking", &Sc2PcrOptions::ranking},
-          {"matrix_budget_bytes", &Sc2PcrOptions::matrix_budget_bytes}};
-}
-
-OptionList<TurboRegOptions> options_of(const TurboRegOptions& /*of*/) {
-  return {{"length_tolerance", &TurboRegOptions::length_tolerance},
-          {"separation", &TurboRegOptions::separation},
-          {"pivots", &TurboRegOptions::pivots},
-          {"cliques_per_pivot", &TurboRegOptions::cliques_per_pivot},
-          {"ranking", &TurboRegOptions::ranking},
-          {"matrix_budget_bytes", &TurboRegOptions::matrix_budget_bytes}};
-}
-
-OptionList<Pcr99Options> options_of(const Pcr99Options& /*of*/) {
-  return {{"estimate_scale", &Pcr99Options::estimate_scale},
-          {"ratio_tolerance", &Pcr99Options::ratio_tolerance},
-          {"length_tolerance", &Pcr99Options::length_tolerance},
-          {"ranking_tolerance", &Pcr99Options::ranking_tolerance},
-          {"inlier_tolerance", &Pcr99Options::inlier_tolerance},
-          {"batch", &Pcr99Options::batch},
-          {"max_screened", &Pcr99Options::max_screened},
-          {"max_hypotheses", &Pcr99Options::max_hypotheses},
-          {"max_triples", &Pcr99Options::max_triples},
-          {"ranking", &Pcr99Options::ranking},
-          {"matrix_budget_bytes", &Pcr99Options::matrix_budget_bytes}};
-}
-
-OptionList<TeaserOptions> options_of(const TeaserOptions& /*of*/) {
-  return {{"estimate_scale", &TeaserOptions::estimate_scale},
-          {"selection", &TeaserOptions::selection},
-          {"max_nodes", &TeaserOptions::max_nodes},
-          {"rotation_pairs", &TeaserOptions::rotation_pairs},
-          {"refine", &TeaserOptions::refine},
-          {"matrix_budget_bytes", &TeaserOptions::matrix_budget_bytes}};
-}
-
-OptionList<MacOptions> options_of(const MacOptions& /*of*/) {
-  return {{"compatibility_distance", &MacOptions::compatibility_distance},
-          {"compatibility_threshold", &MacOptions::compatibility_threshold},
-          {"second_order", &MacOptions::second_order},
-          {"max_mean_degree", &MacOptions::max_mean_degree},
-          {"max_cliques", &MacOptions::max_cliques},
-          {"max_nodes", &MacOptions::max_nodes},
-          {"max_hypotheses", &MacOptions::max_hypotheses},
-          {"weighted_fit", &MacOptions::weighted_fit},
-          {"matrix_budget_bytes", &MacOptions::matrix_budget_bytes}};
-}
-
-RansacOptions fixed_samples(std::uint32_t samples) {
-  RansacOptions options;
-  options.max_iterations = samples;
-  options.confidence.reset();
-  return options;
-}
-
-/// take(defaults, register function) for the named solver.
-template <typename Take>
-auto with_solver(std::string_view solver, const Take& take) {
-  if (solver == "tcf") return take(TcfOptions(), register_tcf);
-  if (solver == "tcf-published") return take(TcfPublishedOptions(), register_tcf_published);
-  if (solver == "ransac") return take(RansacOptions(), register_ransac);
-  if (solver == "ransac-10k") return take(fixed_samples(10'000), register_ransac);
-  if (solver == "ransac-50k") return take(fixed_samples(50'000), register_ransac);
-  if (solver == "sc2_pcr") return take(Sc2PcrOptions(), register_sc2_pcr);
-  if (solver == "turboreg") return take(TurboRegOptions(), register_turboreg);
-  if (solver == "pcr99") return take(Pcr99Options(), register_pcr99);
-  if (solver == "teaser") return take(TeaserOptions(), register_teaser);
-  if (solver == "mac") return take(MacOptions(), register_mac);
-  std::string known;
-  for (const SolverInfo& info : solvers()) known.append(known.empty() ? "" : ", ").append(info.name);
-  throw std::invalid_argument("solver is '" + std::string(solver) + "', expected one of: " + known);
-}
-
-template <typename Options>
-void apply(std::string_view solver, const nb::dict& given, Options& options) {
-  const OptionList<Options> list = options_of(options);
-  for (const auto& [key, value] : given) {
-    const auto name = nb::cast<std::string>(key);
-    std::string known;
-    bool found = false;
-    for (const Option<Options>& option : list) {
-      known.append(known.empty() ? "" : ", ").append(option.name);
-      if (option.name != name) continue;
-      option.set(options, value);
-      found = true;
-    }
-    if (found) continue;
-    std::string message = "register() got an unexpected keyword argument '";
-    message.append(name).append("'; options of the solver '").append(solver).append("': ").append(known);
-    throw nb::type_error(message.c_str());
+const SolverOption* find_option(const Solver& solver, std::string_view name) {
+  for (const SolverOption& option : solver.options) {
+    if (option.name == name) return &option;
   }
+  return nullptr;
+}
+
+[[noreturn]] void reject_keyword(const SolverChoice& choice, const std::string& name) {
+  std::string message =
+      "register() got an unexpected keyword argument '" + name + "'; options of the solver '" + choice.name() + "':";
+  for (const SolverOption& option : choice.solver().options) message.append(" ").append(option.name).append(",");
+  message.pop_back();
+  throw nb::type_error(message.c_str());
 }
 
 }  // namespace
 
-SolverCall solver_with_options(std::string_view solver, std::uint64_t seed, nb::dict given) {
-  return with_solver(solver, [&](auto options, auto* solve) -> SolverCall {
-    apply(solver, given, options);
-    options.seed = seed;
-    return [options, solve](const Correspondences& rows, double noise_bound, std::uint32_t bounds_tried) {
-      auto used = options;
-      used.noise_bound = noise_bound;
-      // tcf-published does not test for significance.
-      if constexpr (requires { used.bounds_tried; }) used.bounds_tried = bounds_tried;
-      return solve(rows, used);
-    };
-  });
+SolverChoice solver_with_options(std::string_view solver, const nb::dict& given) {
+  SolverChoice choice(solver);
+  for (const auto& [key, object] : given) {
+    const auto name = nb::cast<std::string>(key);
+    const SolverOption* option = find_option(choice.solver(), name);
+    if (option == nullptr) reject_keyword(choice, name);
+    choice.set(name, value_from(*option, object));
+  }
+  return choice;
 }
 
-nb::dict default_options(std::string_view solver) {
-  return with_solver(solver, [](const auto& options, auto*) {
-    nb::dict defaults;
-    for (const auto& option : options_of(options)) defaults[nb::cast(option.name)] = option.get(options);
-    return defaults;
-  });
+nb::dict describe_options(std::string_view solver) {
+  const SolverChoice choice(solver);
+  nb::dict all;
+  for (const SolverOption& option : choice.solver().options) {
+    all[nb::cast(option.name)] = nb::make_tuple(std::visit(ToObject(), choice.value(option.name)), option.unit,
+                                                expectation(option), option.meaning);
+  }
+  return all;
 }
 
 }  // namespace consimd::python

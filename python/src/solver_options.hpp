@@ -1,21 +1,20 @@
 // The options that each solver has of its own, as Python's keyword arguments.
 #pragma once
 
-#include <cstdint>
 #include <string_view>
 
 #include <nanobind/nanobind.h>
 
-#include <consimd/solvers/solver.hpp>
+#include <consimd/solvers/registry.hpp>
 
 namespace consimd::python {
 
-/// The named solver with its default options but for those in `given`. Throws nanobind::type_error on an option that it
-/// lacks or a value of the wrong type, nanobind::value_error on a bad value, std::invalid_argument on an unknown
-/// solver.
-[[nodiscard]] SolverCall solver_with_options(std::string_view solver, std::uint64_t seed, nanobind::dict given);
+/// The solver of that name with the options in `given`. Throws nanobind::type_error on an option that it lacks or a
+/// value of the wrong type, std::invalid_argument on a value out of range and on an unknown solver.
+[[nodiscard]] SolverChoice solver_with_options(std::string_view solver, const nanobind::dict& given);
 
-/// Option names and default values of the named solver. Throws std::invalid_argument on an unknown one.
-[[nodiscard]] nanobind::dict default_options(std::string_view solver);
+/// The options of a solver by name, each a tuple: default, unit, what is expected, meaning. Throws
+/// std::invalid_argument on an unknown solver.
+[[nodiscard]] nanobind::dict describe_options(std::string_view solver);
 
 }  // namespace consimd::python

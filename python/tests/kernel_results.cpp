@@ -12,6 +12,7 @@
 #include <consimd/kernels/angle_consistency.hpp>
 #include <consimd/kernels/consistency_matrix.hpp>
 #include <consimd/kernels/length_consistency.hpp>
+#include <consimd/kernels/length_ratio.hpp>
 #include <consimd/kernels/rigid_moments.hpp>
 #include <consimd/kernels/three_point_fit.hpp>
 #include <consimd/poses/rigid_fit.hpp>
@@ -73,9 +74,19 @@ void write_consistency(const Correspondences& c, const ResultFolder& out) {
   out.write("angle_bits", bits);
   out.write("angle_counts", counts);
 
+  std::vector<float> costs(seeds.size());
+  length_disagreement(view, seeds, 2.0 * kBound, 0.1, costs);
+  out.write("length_disagreement", costs);
+  std::vector<float> lows(view.words() * kBlock), highs(lows.size());
+  scale_intervals(view, 7, kBound, lows, highs);
+  out.write("scale_lows", std::span<const float>(lows).first(view.size()));
+  out.write("scale_highs", std::span<const float>(highs).first(view.size()));
+
   ConsistencyMatrix matrix;
   matrix.compute_separated(view, kBound, 20.0);
   out.write("separated_matrix", std::span(matrix.data(), matrix.size() * matrix.words()));
+  matrix.compute_ratio(view, kBound, 0.1);
+  out.write("ratio_matrix", std::span(matrix.data(), matrix.size() * matrix.words()));
   matrix.compute(view, 2.0 * kBound);
   out.write("matrix", std::span(matrix.data(), matrix.size() * matrix.words()));
   out.write("degrees", matrix.degrees());

@@ -65,12 +65,43 @@ def test_same_consistency(cpp, problem, isa):
         assert np.array_equal(kernels.unpack_bits(bits, len(c)).sum(axis=1), counts)
 
 
+def test_same_length_ratios(cpp, problem, isa):
+    c = problem.correspondences()
+    assert kernels.length_disagreement(c, SEEDS, 2 * BOUND, 0.1).tobytes() == cpp("length_disagreement")
+    lows, highs = kernels.scale_intervals(c, 7, BOUND)
+    assert lows.tobytes() == cpp("scale_lows")
+    assert highs.tobytes() == cpp("scale_highs")
+    assert lows.shape == highs.shape == (len(c),)
+    assert np.array_equal(np.flatnonzero(~np.isfinite(highs)), [7])
+
+
+def test_bad_length_ratios_are_named(problem):
+    c = problem.correspondences()
+    for bad in (0.0, -1.0, np.nan, np.inf):
+        with pytest.raises(ValueError, match="bound"):
+            kernels.length_disagreement(c, SEEDS, bad, 0.1)
+        with pytest.raises(ValueError, match="bound"):
+            kernels.scale_intervals(c, 0, bad)
+    for bad in (0.0, 1.0, np.nan):
+        with pytest.raises(ValueError, match="ratio"):
+            kernels.length_disagreement(c, SEEDS, BOUND, bad)
+        with pytest.raises(ValueError, match="ratio"):
+            kernels.ConsistencyMatrix(c, BOUND, ratio_bound=bad)
+    with pytest.raises(IndexError):
+        kernels.scale_intervals(c, len(c), BOUND)
+    with pytest.raises(IndexError):
+        kernels.length_disagreement(c, [len(c)], BOUND, 0.1)
+    with pytest.raises(ValueError, match="separation and ratio_bound exclude each other"):
+        kernels.ConsistencyMatrix(c, BOUND, separation=1.0, ratio_bound=0.1)
+
+
 def test_same_matrix(cpp, problem, isa):
     c = problem.correspondences()
     matrix = kernels.ConsistencyMatrix(c, 2 * BOUND)
     assert matrix.bits.tobytes() == cpp("matrix")
     assert matrix.degrees.tobytes() == cpp("degrees")
     assert kernels.ConsistencyMatrix(c, BOUND, separation=20.0).bits.tobytes() == cpp("separated_matrix")
+    assert kernels.ConsistencyMatrix(c, BOUND, ratio_bound=0.1).bits.tobytes() == cpp("ratio_matrix")
     values = (np.float32(1) / np.arange(1, len(c) + 1, dtype=np.float32)).astype(np.float32)
     assert kernels.masked_row_sums(matrix, values).tobytes() == cpp("row_sums")
     assert kernels.masked_row_sums(matrix, values, 10, 5).tobytes() == cpp("row_sums")[40:60]
@@ -158,5 +189,6 @@ def test_bad_arguments_are_the_librarys_errors(problem):
 def test_instruction_sets_have_names():
     assert kernels.supported_isas()[0] == "scalar"
     assert kernels.active_isa() in kernels.supported_isas()
+    assert set(kernels.supported_isas()) <= set(kernels.known_isas())
     with pytest.raises(ValueError, match="mmx.*" + ".*".join(kernels.supported_isas())):
         kernels.set_active_isa("mmx")

@@ -2,11 +2,23 @@
 
 import json
 import pickle
+import re
 
 import numpy as np
 import pytest
 
 import consimd
+
+
+BAD_VALUES = [  # solver, option, expected, bad values of its type, and of others
+    ("ransac", "max_iterations", "a whole number from 0 to 4294967295", [-1, 2**32, 2**70], ["7", 1.5, None, True, [1]]),
+    ("sc2_pcr", "first_set", "a whole number from 3 to 64", [0, 2, 65], ["", np.nan]),
+    ("tcf", "confidence", "a number above 0 and below 1", [0.0, 1.0, 1, -1, np.nan, np.inf], ["high", "", None, True]),
+    ("ransac", "confidence", "a number above 0 and below 1, or none", [0.0, 1.0, np.nan], ["none", False]),
+    ("ransac", "length_tolerance", "a number above 0, or inf", [0.0, -1.0, np.nan], ["inf", 1j]),
+    ("teaser", "refine", "true or false", [], [0, 1, "true", "", None, np.nan]),
+    ("sc2_pcr", "ranking", "one of: inlier_count, truncated_score", ["best", "", "Inlier_count"], [0, None, True]),
+]
 
 
 def save(path, source, target):
@@ -33,6 +45,7 @@ def assert_same(result, run):
     if result.runner_up is not None:
         assert result.runner_up.pose.tolist() == run["runner_up"]["T_target_source"]
         assert result.runner_up.support == run["runner_up"]["support"]
+        assert result.runner_up.scale == run["runner_up"].get("scale", 1.0)
 
 
 @pytest.mark.parametrize("solver", consimd.solvers())
@@ -95,14 +108,24 @@ def test_unknown_and_bad_options_are_named(problem):
         TypeError, match="unexpected keyword argument 'max_nodes'; options of the solver 'tcf': confidence, max_seeds"
     ):
         register("tcf", max_nodes=3)
-    with pytest.raises(TypeError, match="confidence is 'high', expected a number"):
-        register("tcf", confidence="high")
-    with pytest.raises(ValueError, match="max_seeds is -1, expected a whole number >= 0"):
-        register("tcf", max_seeds=-1)
-    with pytest.raises(ValueError, match="ranking is 'best', expected one of: inlier_count, truncated_score"):
-        register("sc2_pcr", ranking="best")
-    with pytest.raises(ValueError, match="confidence"):
-        register("tcf", confidence=1.5)
+    for solver, option, expected, values_of_type, values_of_other_type in BAD_VALUES:
+        for error, values in ((ValueError, values_of_type), (TypeError, values_of_other_type)):
+            for value in values:
+                with pytest.raises(error, match=f"^{option} is .*, expected {re.escape(expected)}$"):
+                    register(solver, **{option: value})
+    with pytest.raises(ValueError, match="second_set is 20, expected no more than first_set, 10"):
+        register("sc2_pcr", first_set=10)
+    with pytest.raises(ValueError, match="option 'max_seeds' of solver 'tcf' is given twice"):
+        register("tcf:max_seeds=5", max_seeds=6)
+
+
+def test_options_can_be_of_numpy_types(problem):
+    register = lambda **options: consimd.register(problem.source, problem.target, 1.5, "ransac", **options)
+    plain = register(max_iterations=700, confidence=0.5)
+    given = register(max_iterations=np.int32(700), confidence=np.float32(0.5))
+    named = consimd.register(problem.source, problem.target, 1.5, "ransac:max_iterations=700:confidence=0.5")
+    assert np.array_equal(plain.pose, given.pose) and np.array_equal(plain.pose, named.pose)
+    assert np.array_equal(plain.pose, register(max_iterations=700, confidence=0.5, length_tolerance=6).pose)
 
 
 def test_errors_are_those_of_the_library(problem):
@@ -136,7 +159,7 @@ def test_the_result_explains_itself(problem):
     moved = problem.source @ result.pose[:3, :3].T + result.pose[:3, 3]
     residuals = np.linalg.norm(moved - problem.target, axis=1)
     assert np.array_equal(result.inliers, np.flatnonzero(residuals < 1.5))
-    assert (result.seed, result.noise_bound, result.consistency_bound) == (0, 1.5, 3.0)
+    assert (result.seed, result.noise_bound, result.consistency_bound) == (1, 1.5, 3.0)
     assert (result.solver, result.filter, result.correspondences) == ("tcf", "none", 1000)
     assert result.isa == consimd.kernels.active_isa()
     assert result.threads >= 1 and consimd.register(problem.source, problem.target, 1.5, threads=1).threads == 1

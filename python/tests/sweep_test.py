@@ -64,6 +64,16 @@ def test_every_column_has_a_meaning():
         assert all(meanings[name].values())
 
 
+def test_options_are_part_of_a_solvers_name():
+    spelt, label = "confidence=none:max_iterations=0300", "max_iterations=300:confidence=none"
+    solvers = [f"ransac:{spelt}:local_optimisation=false", "ransac"]
+    trials, cells = consimd.sweep(points=100, outliers=[0.2], sigma=[1.0], trials=1, solvers=solvers)
+    assert trials["solver"].tolist() == [f"ransac:{label}:local_optimisation=false", "ransac"]
+    assert cells["solver"].tolist() == trials["solver"].tolist()
+    with pytest.raises(ValueError, match="solver 'tcf' has no option 'max_nodes', expected one of: confidence"):
+        consimd.sweep(solvers="tcf:max_nodes=3")
+
+
 def test_the_default_noise_levels_are_the_papers():
     trials, _ = consimd.sweep(points=50, outliers=[0.1], trials=1)
     assert np.array_equal(trials["sigma"], np.round(np.linspace(0.1, 5, 50), 12))

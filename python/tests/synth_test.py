@@ -51,6 +51,15 @@ def test_hard_options_do_what_they_say():
         synth.hard_problem(colour="red")
 
 
+def test_scale_errors():
+    assert synth.scale_error(2.5, 2.0) == pytest.approx(0.25)
+    assert synth.scale_error(2.0, 2.0) == 0
+    problem = synth.noise_study_problem(200, outlier_ratio=0.5, sigma=0.1)
+    rmse = synth.rmse_true_inliers(problem, problem.pose)
+    assert rmse == synth.rmse_true_inliers(problem, problem.pose, scale=1.0) < 1
+    assert synth.rmse_true_inliers(problem, problem.pose, scale=2.0) > 10
+
+
 def test_stand_ins():
     names = synth.stand_ins()
     assert list(names)[0] == "arch" and len(names) == 10

@@ -21,6 +21,7 @@ assert_type(result.inliers, NDArray[np.int64])
 assert_type(result.stages[0].seconds, float)
 if result.runner_up is not None:
     assert_type(result.runner_up.support, int)
+    assert_type(result.runner_up.scale, float)
 
 rows = consimd.Correspondences(points, problem.target)
 assert_type(consimd.register(rows, noise_bound=1.0).has_pose, bool)
@@ -31,6 +32,12 @@ total: NDArray[np.uint32] = counts
 matrix = kernels.ConsistencyMatrix(rows, 0.5, separation=1.0)
 degrees: NDArray[np.uint32] = matrix.degrees
 assert_type(synth.rotation_error_deg(result.pose, problem.pose), float)
+assert_type(synth.scale_error(result.scale, 1.0), float)
+costs: NDArray[np.float32] = kernels.length_disagreement(rows, [1, 2], 0.5, ratio_bound=0.1)
+lows, highs = kernels.scale_intervals(rows, 0, 0.5)
+ratios: NDArray[np.float32] = highs / lows
+kernels.ConsistencyMatrix(rows, 0.5, ratio_bound=0.1)
+assert_type(consimd.describe_options("ransac")["confidence"].meaning, str)
 
 trials, cells = consimd.sweep(points=100, outliers=[0.5], sigma=[1.0], trials=2, progress=lambda done, total: None)
 recalls: NDArray[np.float64] = cells["recall"]

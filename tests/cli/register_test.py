@@ -242,7 +242,7 @@ class Register(CommandTest):
             self.assert_error("register", file, "--noise-bound", bound, says="--noise-bound")
             self.assert_error("register", file, "--noise-bound", bound, says=bound)
         self.assert_error("register", file, "--noise-bound", says="--noise-bound")
-        unknown = "unknown solver 'magic'; known: tcf"
+        unknown = "solver is 'magic', expected one of: tcf"
         self.assert_error("register", file, "--noise-bound", 1, "--solver", "magic", says=unknown)
         for option in ("--threads", "--repeat"):
             for value in ("0", "-1", "x", "1.5", "99999999999"):

@@ -182,7 +182,7 @@ class Sweep(CommandTest):
         }.items():
             for value in values:
                 self.assert_error("sweep", "--out", "s", option, value, says=option.strip("-"))
-        self.assert_error("sweep", "--out", "s", "--solver", "magic", says="known: tcf")
+        self.assert_error("sweep", "--out", "s", "--solver", "magic", says="expected one of: tcf")
 
     def test_unwritable_folder(self):
         self.write("file", "")

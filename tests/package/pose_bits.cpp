@@ -7,6 +7,7 @@
 #include <bit>
 #include <cstdint>
 #include <iostream>
+#include <string>
 
 #include <consimd/solvers/gnc_rotation.hpp>
 #include <consimd/solvers/solver.hpp>
@@ -63,11 +64,11 @@ int main() {
     const consimd::Correspondences correspondences = problem.correspondences();
     const double noise_bound = consimd::synth::noise_study_bound(study.sigma);
 
-    for (const consimd::SolverInfo& solver : consimd::solvers()) {
+    for (const std::string& solver : consimd::solver_names()) {
       // Slow on these: mac enumerates cliques, ransac-50k draws all of its samples.
-      if (solver.name == "mac" || solver.name == "ransac-50k") continue;
-      const auto registration = consimd::register_by_name(solver.name, correspondences, {.noise_bound = noise_bound});
-      std::cout << solver.name << ' ' << outliers << ' ' << std::hex << bits_of(registration) << std::dec << ' '
+      if (solver == "mac" || solver == "ransac-50k") continue;
+      const auto registration = consimd::register_by_name(solver, correspondences, {.noise_bound = noise_bound});
+      std::cout << solver << ' ' << outliers << ' ' << std::hex << bits_of(registration) << std::dec << ' '
                 << consimd::to_string(registration.status) << ' ' << registration.inliers.size() << '\n';
     }
     Bits truth;

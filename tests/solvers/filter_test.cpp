@@ -47,14 +47,14 @@ TEST(Filter, HasNames) {
 }
 
 TEST(Filter, EverySolverFindsThePoseOnAllRows) {
-  for (const SolverInfo& info : solvers()) {
+  for (const std::string& solver : solver_names()) {
     for (const double outlier_ratio : {0.5, 0.9}) {
-      SCOPED_TRACE(::testing::Message() << info.name << " at " << outlier_ratio);
+      SCOPED_TRACE(::testing::Message() << solver << " at " << outlier_ratio);
       // Hardly rotated, as tcf-published needs it.
       Problem problem = synth::noise_study_problem({.correspondences = 1000, .outlier_ratio = outlier_ratio});
       const RigidTransform back = motion(0.02, {3.0, 2.0, 1.0}, {0.0, 10.0, 20.0}) * problem.T_target_source.inverse();
       problem = with_moved_target(std::move(problem), back);
-      const Registration result = register_by_name(info.name, problem.correspondences(), filtered(3.0));
+      const Registration result = register_by_name(solver, problem.correspondences(), filtered(3.0));
       expect_sound(result, problem, 3.0);
       expect_stages(result, problem);
       EXPECT_TRUE(result.has_pose()) << to_string(result.status);

@@ -192,9 +192,9 @@ TEST(UnknownScaleErrors, SaySo) {
     }
     return "accepted";
   };
-  for (const SolverInfo& info : solvers()) {
-    const std::string text = message(std::string(info.name), {.noise_bound = 1.0, .estimate_scale = true});
-    if (info.estimates_scale) {
+  for (const Solver& info : solvers()) {
+    const std::string text = message(info.name, {.noise_bound = 1.0, .estimate_scale = true});
+    if (info.estimates_scale()) {
       EXPECT_EQ(text, "accepted") << info.name;
     } else {
       EXPECT_NE(text.find(std::string("'").append(info.name) + "' needs a known scale, expected one of: pcr99, teaser"),

@@ -15,6 +15,7 @@
 
 #include "call/solver_call.hpp"
 #include "mac/clique_selection.hpp"
+#include "mac/mac_options.hpp"
 #include "search/consensus_search.hpp"
 #include "support/pose_candidate.hpp"
 #include "verdict/final_pose.hpp"
@@ -116,18 +117,6 @@ std::size_t choose(const Correspondences& correspondences, std::span<const Hypot
   return best;
 }
 
-void check(const MacOptions& options) {
-  if (!(options.compatibility_distance > 0.0) || !std::isfinite(options.compatibility_distance)) {
-    detail::reject_option("compatibility_distance", options.compatibility_distance, "noise bounds, finite and above 0");
-  }
-  if (!(options.compatibility_threshold >= 0.0 && options.compatibility_threshold < 1.0)) {
-    detail::reject_option("compatibility_threshold", options.compatibility_threshold, "a score from 0 to below 1");
-  }
-  if (!(options.max_mean_degree > 0.0)) {
-    detail::reject_option("max_mean_degree", options.max_mean_degree, "edges a vertex above 0, or infinity");
-  }
-}
-
 void solve(const Correspondences& correspondences, const MacOptions& options, Registration& result) {
   const CorrespondenceView view = correspondences.view();
   const std::size_t size = view.size();
@@ -176,7 +165,7 @@ void solve(const Correspondences& correspondences, const MacOptions& options, Re
 }  // namespace
 
 Registration register_mac(const Correspondences& correspondences, const MacOptions& options) {
-  check(options);
+  detail::require_options(detail::mac_options(), options);
   return detail::run_solver(correspondences, options.noise_bound, options.seed,
                             [&](Registration& result) { solve(correspondences, options, result); });
 }

@@ -13,6 +13,7 @@
 #include <consimd/solvers/significance.hpp>
 
 #include "call/solver_call.hpp"
+#include "pcr99/pcr99_options.hpp"
 #include "scale/scaled_registration.hpp"
 #include "search/consensus_search.hpp"
 #include "search/matrix_sample.hpp"
@@ -31,23 +32,9 @@ constexpr std::uint32_t kRivalBatches = 2;
 // ... and triples: those of a rival are among the first.
 constexpr std::uint64_t kRivalTriples = 200'000'000;
 
-void require_tolerance(std::string_view name, double value) {
-  if (!(value > 0.0)) detail::reject_option(name, value, "noise bounds above 0, or infinity");
-}
-
 void check(const Pcr99Options& options) {
   detail::require_length("noise_bound", options.noise_bound);
-  if (!(options.ratio_tolerance > 0.0 && options.ratio_tolerance <= 1.0)) {
-    detail::reject_option("ratio_tolerance", options.ratio_tolerance, "a logarithm above 0 and up to 1");
-  }
-  require_tolerance("length_tolerance", options.length_tolerance);
-  require_tolerance("ranking_tolerance", options.ranking_tolerance);
-  detail::require_length("inlier_tolerance", options.inlier_tolerance);
-  detail::require_above_zero("batch", options.batch);
-  detail::require_above_zero("max_hypotheses", options.max_hypotheses);
-  detail::require_above_zero("max_screened", options.max_screened);
-  if (options.max_triples == 0) detail::reject_option("max_triples", options.max_triples, "a number above 0");
-  detail::require_matrix_budget(options.matrix_budget_bytes, 1);
+  detail::require_options(detail::pcr99_options(), options);
 }
 
 // So many noise bounds as a length that the kernels take.

@@ -1,6 +1,7 @@
 #include <consimd/solvers/ransac.hpp>
 
 #include "call/solver_call.hpp"
+#include "ransac/ransac_options.hpp"
 #include "ransac/three_point_search.hpp"
 #include "search/consensus_search.hpp"
 #include "verdict/final_pose.hpp"
@@ -27,10 +28,7 @@ void solve(const Correspondences& correspondences, const RansacOptions& options,
 }  // namespace
 
 Registration register_ransac(const Correspondences& correspondences, const RansacOptions& options) {
-  if (options.confidence) detail::require_confidence(*options.confidence);
-  if (!(options.length_tolerance > 0.0)) {
-    detail::reject_option("length_tolerance", options.length_tolerance, "noise bounds above 0, or infinity");
-  }
+  detail::require_options(detail::ransac_options(), options);
   return detail::run_solver(correspondences, options.noise_bound, options.seed,
                             [&](Registration& result) { solve(correspondences, options, result); });
 }

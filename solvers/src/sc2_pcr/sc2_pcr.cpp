@@ -1,9 +1,11 @@
 #include <consimd/solvers/sc2_pcr.hpp>
 
 #include <cmath>
+#include <string>
 #include <utility>
 
 #include "call/solver_call.hpp"
+#include "sc2_pcr/sc2_pcr_options.hpp"
 #include "search/consensus_search.hpp"
 #include "search/matrix_sample.hpp"
 #include "support/hypothesis_selection.hpp"
@@ -15,19 +17,11 @@ namespace consimd {
 namespace {
 
 void check(const Sc2PcrOptions& options) {
-  detail::require_length("length_tolerance", options.length_tolerance);
-  detail::require_length("seed_radius", options.seed_radius);
-  if (!(options.seed_share > 0.0 && options.seed_share <= 1.0)) {
-    detail::reject_option("seed_share", options.seed_share, "a share above 0 and up to 1");
+  detail::require_options(detail::sc2_pcr_options(), options);
+  if (options.second_set > options.first_set) {
+    detail::reject_option("second_set", options.second_set,
+                          "no more than first_set, " + std::to_string(options.first_set));
   }
-  detail::require_above_zero("power_iterations", options.power_iterations);
-  if (options.first_set < 3 || options.first_set > 64) {
-    detail::reject_option("first_set", options.first_set, "3 to 64 members");
-  }
-  if (options.second_set < 3 || options.second_set > options.first_set) {
-    detail::reject_option("second_set", options.second_set, "3 to first_set members");
-  }
-  detail::require_matrix_budget(options.matrix_budget_bytes, 2);
 }
 
 void solve(const Correspondences& correspondences, const Sc2PcrOptions& options, Registration& result) {

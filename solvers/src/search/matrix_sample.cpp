@@ -1,17 +1,14 @@
 #include "search/matrix_sample.hpp"
 
 #include <cmath>
-#include <string>
 
 #include <consimd/kernels/consistency_matrix.hpp>
 
-#include "call/option_checks.hpp"
 #include "sampling/counter_random.hpp"
 
 namespace consimd::detail {
 namespace {
 
-// A sample of fewer rows than this tells little of thousands.
 constexpr std::size_t kLeastRows = 256;
 
 }  // namespace
@@ -23,12 +20,7 @@ std::size_t rows_within(std::size_t budget_bytes, std::size_t matrices) {
   return rows;
 }
 
-void require_matrix_budget(std::size_t budget_bytes, std::size_t matrices) {
-  const std::size_t least = matrices * ConsistencyMatrix::memory_bytes(kLeastRows);
-  if (budget_bytes < least) {
-    reject_option("matrix_budget_bytes", budget_bytes, "at least " + std::to_string(least));
-  }
-}
+std::size_t least_matrix_budget(std::size_t matrices) { return matrices * ConsistencyMatrix::memory_bytes(kLeastRows); }
 
 MatrixSample::MatrixSample(const Correspondences& correspondences, std::size_t matrices, std::size_t budget_bytes,
                            std::uint64_t seed)

@@ -9,8 +9,8 @@
 
 namespace consimd::detail {
 
-/// Throws std::invalid_argument when `matrices` of a few hundred rows would not fit the budget.
-void require_matrix_budget(std::size_t budget_bytes, std::size_t matrices);
+/// The least budget that `matrices` are given: a sample of fewer than a few hundred rows tells little of thousands.
+std::size_t least_matrix_budget(std::size_t matrices);
 
 /// Rows that `matrices` of their bit matrices fit the budget with.
 std::size_t rows_within(std::size_t budget_bytes, std::size_t matrices);

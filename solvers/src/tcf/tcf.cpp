@@ -2,6 +2,7 @@
 
 #include "call/solver_call.hpp"
 #include "search/consensus_search.hpp"
+#include "tcf/tcf_options.hpp"
 #include "verdict/chance_search.hpp"
 #include "verdict/final_pose.hpp"
 
@@ -46,7 +47,7 @@ void solve(const Correspondences& correspondences, const TcfOptions& options, Re
 }  // namespace
 
 Registration register_tcf(const Correspondences& correspondences, const TcfOptions& options) {
-  detail::require_confidence(options.confidence);
+  detail::require_options(detail::tcf_options(), options);
   return detail::run_solver(correspondences, options.noise_bound, options.seed,
                             [&](Registration& result) { solve(correspondences, options, result); });
 }

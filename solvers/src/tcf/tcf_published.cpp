@@ -9,6 +9,7 @@
 
 #include "call/solver_call.hpp"
 #include "support/pose_candidate.hpp"
+#include "tcf/tcf_options.hpp"
 
 namespace consimd {
 namespace {
@@ -82,7 +83,7 @@ void solve(const Correspondences& correspondences, const TcfPublishedOptions& op
 }  // namespace
 
 Registration register_tcf_published(const Correspondences& correspondences, const TcfPublishedOptions& options) {
-  detail::require_confidence(options.confidence);
+  detail::require_options(detail::tcf_published_options(), options);
   return detail::run_solver(correspondences, options.noise_bound, options.seed,
                             [&](Registration& result) { solve(correspondences, options, result); });
 }

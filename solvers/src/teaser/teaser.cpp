@@ -14,6 +14,7 @@
 #include "scale/scaled_registration.hpp"
 #include "search/consensus_search.hpp"
 #include "support/pose_candidate.hpp"
+#include "teaser/teaser_options.hpp"
 #include "verdict/ambiguity.hpp"
 #include "verdict/final_pose.hpp"
 
@@ -175,6 +176,7 @@ Registration register_at_known_scale(const Correspondences& correspondences, con
 
 Registration register_teaser(const Correspondences& correspondences, const TeaserOptions& options) {
   detail::require_length("noise_bound", options.noise_bound);
+  detail::require_options(detail::teaser_options(), options);
   detail::require_whole_matrix(options.matrix_budget_bytes, correspondences.size());
   if (!options.estimate_scale) return register_at_known_scale(correspondences, options);
   return detail::register_scaled(correspondences, options.noise_bound, options.bounds_tried, options.seed,

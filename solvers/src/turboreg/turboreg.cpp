@@ -9,6 +9,7 @@
 #include "search/consensus_search.hpp"
 #include "search/matrix_sample.hpp"
 #include "support/hypothesis_selection.hpp"
+#include "turboreg/turboreg_options.hpp"
 #include "verdict/final_pose.hpp"
 #include "verdict/pose_checks.hpp"
 
@@ -16,14 +17,6 @@ namespace consimd {
 namespace {
 
 constexpr std::size_t kFitsPerTask = 64;
-
-void check(const TurboRegOptions& options) {
-  detail::require_length("length_tolerance", options.length_tolerance);
-  detail::require_length("separation", options.separation);
-  detail::require_above_zero("pivots", options.pivots);
-  detail::require_above_zero("cliques_per_pivot", options.cliques_per_pivot);
-  detail::require_matrix_budget(options.matrix_budget_bytes, 1);
-}
 
 std::vector<WorkingPose> fit(const Correspondences& correspondences, std::span<const IndexTriple> triples) {
   std::vector<WorkingPose> poses(triples.size());
@@ -78,7 +71,7 @@ void solve(const Correspondences& correspondences, const TurboRegOptions& option
 }  // namespace
 
 Registration register_turboreg(const Correspondences& correspondences, const TurboRegOptions& options) {
-  check(options);
+  detail::require_options(detail::turboreg_options(), options);
   return detail::run_solver(correspondences, options.noise_bound, options.seed,
                             [&](Registration& result) { solve(correspondences, options, result); });
 }

@@ -90,7 +90,7 @@ CompareOptions::CompareOptions()
              .solvers = {},
              .iterations = {1000, 3000, 10'000, 30'000, 100'000, 300'000, 1'000'000},
              .scales = {0.2, 0.5, 1.0, 2.0, 5.0}} {
-  for (const auto& solver : solvers()) tables.solvers.emplace_back(solver.name);
+  tables.solvers = solver_names();
 }
 
 Comparison make_comparison(const CompareOptions& options) {

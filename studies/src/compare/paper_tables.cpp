@@ -10,11 +10,10 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include <consimd/solvers/solver.hpp>
+#include <consimd/solvers/registry.hpp>
 
 #include <consimd/studies/method.hpp>
 #include <consimd/studies/run_statistics.hpp>
-#include <consimd/studies/sweep_options.hpp>
 
 namespace consimd::studies {
 namespace {
@@ -46,9 +45,7 @@ bool wanted(const TableOptions& options, std::string_view table) {
 
 std::string scale_group_name(double scale) { return fmt::format("scale {}", scale); }
 
-bool finds_scale(std::string_view solver) {
-  return std::ranges::any_of(solvers(), [&](const SolverInfo& s) { return s.name == solver && s.estimates_scale; });
-}
+bool finds_scale(std::string_view solver) { return SolverChoice(solver).solver().estimates_scale(); }
 
 /// Says what the data are, group by group, those of one kind together.
 std::string data_caption(const std::vector<const CaseGroup*>& groups) {
@@ -285,7 +282,7 @@ void validate(const TableOptions& options) {
     throw std::invalid_argument(fmt::format("unknown table '{}'; known: {}", name, fmt::join(known, ", ")));
   }
   require_distinct(options.solvers, "solver");
-  for (const std::string& solver : options.solvers) require_known_solver(solver);
+  for (const std::string& solver : options.solvers) static_cast<void>(SolverChoice(solver));
   require_known_preset(options.preset);
   require_distinct(options.iterations, "iterations");
   require_distinct(options.scales, "scales");
@@ -296,8 +293,8 @@ void validate(const TableOptions& options) {
   }
   if (wanted(options, "scales") && scale_methods(options).empty()) {
     std::vector<std::string_view> able;
-    for (const SolverInfo& solver : solvers()) {
-      if (solver.estimates_scale) able.push_back(solver.name);
+    for (const Solver& solver : solvers()) {
+      if (solver.estimates_scale()) able.emplace_back(solver.name);
     }
     throw std::invalid_argument(fmt::format("table scales: solver '{}' needs a known scale, expected one of: {}",
                                             fmt::join(options.solvers, ", "), fmt::join(able, ", ")));

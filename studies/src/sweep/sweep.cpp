@@ -57,7 +57,7 @@ std::vector<TrialRecord> run_job(const Job& job, const SweepOptions& options) {
         register_by_name(solver, correspondences,
                          {.noise_bound = synth::noise_study_bound(job.sigma), .seed = seed, .filter = options.filter});
     const RigidTransform& pose = result.T_target_source;
-    const double rmse = synth::rmse_true_inliers(problem, pose);
+    const double rmse = synth::rmse_true_inliers(problem, pose, result.scale);
     const synth::InlierQuality quality = synth::inlier_quality(problem, result.inliers);
     records.push_back({.solver = solver,
                        .outlier_ratio = job.outlier_ratio,

@@ -6,7 +6,7 @@
 
 #include <fmt/format.h>
 
-#include <consimd/solvers/solver.hpp>
+#include <consimd/solvers/registry.hpp>
 
 #include <consimd/studies/value_list.hpp>
 
@@ -30,16 +30,6 @@ void require_distinct(const std::vector<T>& values, std::string_view what) {
 
 SweepOptions::SweepOptions()
     : outlier_ratios(parse_value_list(kPaperOutlierRatios)), sigmas(parse_value_list(kPaperSigmas)) {}
-
-void require_known_solver(std::string_view name) {
-  std::string known;
-  for (const SolverInfo& solver : solvers()) {
-    if (solver.name == name) return;
-    known += known.empty() ? "" : ", ";
-    known += solver.name;
-  }
-  throw std::invalid_argument(fmt::format("unknown solver '{}'; known: {}", name, known));
-}
 
 void validate(const SweepOptions& options) {
   if (options.points < 3 || options.points > kMostPoints) {
@@ -65,7 +55,7 @@ void validate(const SweepOptions& options) {
     }
   }
   require_distinct(options.solvers, "solver");
-  for (const std::string& solver : options.solvers) require_known_solver(solver);
+  for (const std::string& solver : options.solvers) static_cast<void>(SolverChoice(solver));
 }
 
 }  // namespace consimd::studies

@@ -18,6 +18,8 @@ std::size_t position(const std::vector<T>& values, const T& value, std::string_v
 }
 
 SweepOptions validated(SweepOptions options) {
+  // However a solver's options were spelt, its name in the tables is one.
+  for (std::string& solver : options.solvers) solver = SolverChoice(solver).label();
   validate(options);
   return options;
 }

@@ -1,4 +1,4 @@
-// All solvers behind one call, by name: what the command line and the noise study use.
+// All solvers behind one call: what the command line and the noise study use.
 #pragma once
 
 #include <functional>
@@ -8,19 +8,11 @@
 
 #include <consimd/kernels/correspondences.hpp>
 #include <consimd/solvers/registration.hpp>
+#include <consimd/solvers/registry.hpp>
 
 #pragma GCC visibility push(default)
 
 namespace consimd {
-
-struct SolverInfo {
-  std::string_view name;         ///< "tcf"
-  std::string_view description;  ///< one line
-  bool estimates_scale = false;  ///< takes SolverOptions::estimate_scale
-};
-
-/// Every solver of this build, the default first.
-[[nodiscard]] std::span<const SolverInfo> solvers() noexcept;
 
 /// What selects the correspondences that a solver is given.
 enum class Filter : std::uint8_t {
@@ -34,32 +26,36 @@ enum class Filter : std::uint8_t {
 /// Inverse of `to_string`. Throws std::invalid_argument on an unknown name, listing the known ones.
 [[nodiscard]] Filter filter_by_name(std::string_view name);
 
-/// Options that every solver has; the rest are its own defaults.
+/// Options that every solver has.
 struct SolverOptions {
   /// Largest residual of an inlier, caller's unit; finite and > 0. Estimated from the correspondences when not given
   /// (see noise_bound.hpp); Registration::noise_bound tells what was used.
   std::optional<double> noise_bound = std::nullopt;
   std::uint64_t seed = 1;
   Filter filter = Filter::none;
-  /// Find the scale of the source as well: x_target = scale * R * x_source + t. Only of solvers whose SolverInfo says
-  /// so, with a noise bound and without a filter.
+  /// Find the scale of the source as well: x_target = scale * R * x_source + t. Only of solvers that can,
+  /// with a noise bound and without a filter. The same as their option of that name.
   bool estimate_scale = false;
 };
 
-/// Runs the named solver, after the filter if there is one. A pose found among the rows that a filter keeps is brought
+/// Runs a solver, after the filter if there is one. A pose found among the rows that a filter keeps is brought
 /// into place, tested and given its inliers on all rows: it counts as if it had been searched for among all of them, so
 /// that the choice which the filter made cannot make it look significant. The stages of the filter, those of the solver
-/// on what it kept, and a last one, "all_rows", are reported. Throws std::invalid_argument on an unknown name (listing
-/// the known ones), a bad option, or estimate_scale where it cannot be.
+/// on what it kept, and a last one, "all_rows", are reported. Throws std::invalid_argument on a bad option, or on
+/// estimate_scale where it cannot be.
+[[nodiscard]] Registration register_by_choice(SolverChoice choice, const Correspondences& correspondences,
+                                              SolverOptions options);
+
+/// As above with `SolverChoice(solver)`: a name, or a name with options. Throws std::invalid_argument on an unknown
+/// name, listing the known ones.
 [[nodiscard]] Registration register_by_name(std::string_view solver, const Correspondences& correspondences,
                                             const SolverOptions& options);
 
-/// A solver with options of its own, called with the noise bound to use, which was chosen from `bounds_tried` ones by
+/// A solver of the caller's, called with the noise bound to use, which was chosen from `bounds_tried` ones by
 /// looking at the data.
 using SolverCall = std::function<Registration(const Correspondences&, double noise_bound, std::uint32_t bounds_tried)>;
 
-/// As `register_by_name`, with the noise bound estimated and the filter run for a solver of the caller's. The solver
-/// has its own seed; that of `options` is for the rest.
+/// As above for a solver of the caller's, which has its own seed; that of `options` is for the rest.
 [[nodiscard]] Registration register_with(const SolverCall& solver, const Correspondences& correspondences,
                                          const SolverOptions& options);
 

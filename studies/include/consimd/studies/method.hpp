@@ -24,7 +24,7 @@ struct Outcome {
 };
 
 /// A method is named
-///   "ransac"              a solver (see solver.hpp)
+///   "ransac"              a solver, as SolverChoice takes it: options may follow, "ransac:max_iterations=1000"
 ///   "tcf+ransac"          a solver after TCF's filter
 ///   "scale+teaser"        a solver that finds the scale of the source as well
 ///   "1R+3R+IRLS"          stages of TCF with their defaults, one after the other on what the last one kept: one-, two-

@@ -25,7 +25,7 @@ struct TableInfo {
 /// What is to be run and told.
 struct TableOptions {
   std::vector<std::string> tables;        ///< names of paper_tables()
-  std::vector<std::string> solvers;       ///< of "solvers" and "boost"
+  std::vector<std::string> solvers;       ///< of "solvers" and "boost", as SolverChoice takes them
   bool filtered = false;                  ///< "solvers" after TCF's filter
   std::string preset = "case";            ///< of success limits, told in captions
   std::vector<std::uint32_t> iterations;  ///< of "iterations"

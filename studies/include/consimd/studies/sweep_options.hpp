@@ -19,13 +19,13 @@ inline constexpr std::string_view kPaperSigmas = "0.1:5:50";
 
 /// Defaults: the paper's study.
 struct SweepOptions {
-  std::size_t points = 3000;           ///< correspondences of a problem
-  std::vector<double> outlier_ratios;  ///< in [0, 1)
-  std::vector<double> sigmas;          ///< standard deviations of the inliers' noise, metres, > 0
-  std::uint32_t trials = 100;          ///< problems per outlier ratio and noise level
-  std::vector<std::string> solvers = {"tcf"};
-  Filter filter = Filter::none;  ///< before every solver
-  std::uint64_t seed = 1;        ///< of the data; trial k runs its solvers with seed + k
+  std::size_t points = 3000;                   ///< correspondences of a problem
+  std::vector<double> outlier_ratios;          ///< in [0, 1)
+  std::vector<double> sigmas;                  ///< standard deviations of the inliers' noise, metres, > 0
+  std::uint32_t trials = 100;                  ///< problems per outlier ratio and noise level
+  std::vector<std::string> solvers = {"tcf"};  ///< as SolverChoice takes them
+  Filter filter = Filter::none;                ///< before every solver
+  std::uint64_t seed = 1;                      ///< of the data; trial k runs its solvers with seed + k
 
   SweepOptions();
 
@@ -33,11 +33,8 @@ struct SweepOptions {
 };
 
 /// Throws std::invalid_argument on the first bad value: an empty or repeated list entry, a value out of range, an
-/// outlier ratio that leaves fewer than three inliers, an unknown solver.
+/// outlier ratio that leaves fewer than three inliers, an unknown solver, a bad option of one.
 void validate(const SweepOptions& options);
-
-/// Throws std::invalid_argument that lists the known solvers unless `name` is one of them.
-void require_known_solver(std::string_view name);
 
 }  // namespace consimd::studies
 

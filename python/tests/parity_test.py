@@ -1,0 +1,165 @@
+"""Python, C++ and the command line have the same names, defaults and meanings."""
+
+import dataclasses
+import inspect
+import json
+import pathlib
+import re
+
+import pytest
+
+import consimd
+
+ROOT = pathlib.Path(__file__).parents[2]
+
+# Of C++ alone: it reads files, other types of points, and names, which Python hands over as arrays and texts; lengths
+# in the working frame are the caller's times Correspondences.scale.
+CPP_ALONE = {
+    "kernels": {"to_string", "parse_isa", "gather", "pcl_correspondences", "matches_subset", "working_length"},
+    "poses": {"column_points", "row_points"},
+    "synth": {"stand_in", "read_correspondences", "read_pose", "read_scaled_pose", "read_problem"},
+}
+# Of Python alone: classes, and bit sets as masks.
+PYTHON_ALONE = {
+    "kernels": {"ConsistencyMatrix", "Correspondences", "RigidFit", "RigidMoments", "pack_bits", "unpack_bits"},
+    "synth": {"Problem"},
+}
+RENAMED = {"T_target_source": "pose"}
+
+
+def headers(library):
+    folder = ROOT / library / "include"
+    return {header.name: header.read_text() for header in sorted(folder.rglob("*.hpp"))}
+
+
+def functions(library):
+    """Names of the functions that are declared at the left margin."""
+    declaration = r"^(?:\[\[nodiscard\]\] )?(?:inline |constexpr )*[A-Za-z_][\w:<>&, *]*?[ &](\w+)\("
+    names = set()
+    for text in headers(library).values():
+        for match in re.finditer(declaration, text, re.MULTILINE):
+            if not match[0].startswith(("static_assert", "return ", "using ", "#")):
+                names.add(match[1])
+    return names
+
+
+def body_of(kind, name, library="solvers"):
+    """Lines between the braces of a struct or an enumeration."""
+    for text in headers(library).values():
+        match = re.search(rf"^{kind} {name}(?: : [\w:]+)? {{\n(.*?)^}};", text, re.MULTILINE | re.DOTALL)
+        if match:
+            return match[1]
+    raise AssertionError(f"no {kind} {name}")
+
+
+def members(name):
+    """Members of a struct, as Python calls them."""
+    found = re.findall(r"^  [\w:<>,]+(?: [\w:<>,]+)* (\w+)(?: = [^;]*)?;", body_of("struct", name), re.MULTILINE)
+    return [RENAMED.get(member, member) for member in found]
+
+
+def test_functions_on_arrays_are_those_of_the_library():
+    there = functions("kernels") | functions("poses")
+    assert there >= CPP_ALONE["kernels"] | CPP_ALONE["poses"]
+    assert set(consimd.kernels.__all__) - PYTHON_ALONE["kernels"] == there - CPP_ALONE["kernels"] - CPP_ALONE["poses"]
+
+
+def test_synthetic_problems_are_those_of_the_library():
+    there = functions("synth")
+    assert there >= CPP_ALONE["synth"]
+    assert set(consimd.synth.__all__) - PYTHON_ALONE["synth"] == there - CPP_ALONE["synth"]
+
+
+def test_consistency_matrices_are_those_of_the_library():
+    text = headers("kernels")["consistency_matrix.hpp"]
+    assert set(re.findall(r"void (compute\w*)\(", text)) == {"compute", "compute_separated", "compute_ratio"}
+    constructor = consimd.kernels.ConsistencyMatrix.__init__.__doc__
+    assert "separation" in constructor and "ratio_bound" in constructor
+
+
+def test_results_have_the_members_of_the_library():
+    fields = lambda kind: [field.name for field in dataclasses.fields(kind)]
+    own = {"correspondences", "solver", "filter"}  # what its caller knows
+    assert set(fields(consimd.Registration)) - own == set(members("Registration"))
+    assert set(fields(consimd.RunnerUp)) == set(members("RunnerUp"))
+    assert fields(consimd.Stage) == members("StageReport")
+    assert list(consimd.NoiseBoundEstimate._fields) == members("NoiseBoundEstimate")
+
+
+def test_statuses_are_those_of_the_library():
+    names = re.findall(r"^  (\w+),", body_of("enum class", "Status"), re.MULTILINE)
+    assert [status.value for status in consimd.Status] == names
+
+
+def test_solvers_are_those_of_the_command(command):
+    assert list(consimd.solvers()) == json.loads(command("info", "--json"))["solvers"]
+    for name, description in consimd.solvers().items():
+        assert json.loads(command("info", "--solver", name, "--json"))["description"] == description
+
+
+@pytest.mark.parametrize("solver", consimd.solvers())
+def test_options_are_those_of_the_command(command, solver):
+    listed = json.loads(command("info", "--solver", solver, "--json"))["options"]
+    described = consimd.describe_options(solver)
+    assert list(described) == [option["name"] for option in listed]
+    for option in listed:
+        assert described[option["name"]] == (option["value"], option["unit"], option["expected"], option["meaning"])
+    assert consimd.solver_options(solver) == {option["name"]: option["value"] for option in listed}
+    assert all(type(described[option["name"]].default) is type(option["value"]) for option in listed)
+
+
+# The names of the options structs; those of the presets are their solver's.
+OPTIONS_STRUCTS = {
+    "tcf": "TcfOptions",
+    "tcf-published": "TcfPublishedOptions",
+    "ransac": "RansacOptions",
+    "sc2_pcr": "Sc2PcrOptions",
+    "turboreg": "TurboRegOptions",
+    "pcr99": "Pcr99Options",
+    "teaser": "TeaserOptions",
+    "mac": "MacOptions",
+}
+
+
+@pytest.mark.parametrize("solver", OPTIONS_STRUCTS)
+def test_options_are_the_members_of_the_library(solver):
+    """All of them: what a header declares can be set by name."""
+    body = re.sub(r"enum class[^{]*{[^}]*}", "Enum", body_of("struct", OPTIONS_STRUCTS[solver]))
+    names = re.findall(r"^  [\w:<>]+ (\w+)(?: = [^;]*)?;", body, re.MULTILINE)
+    task = {"noise_bound", "seed", "bounds_tried"}  # what every solver is given; tcf-published tests nothing
+    assert task - {"bounds_tried"} < set(names)
+    assert list(consimd.solver_options(solver)) == [name for name in names if name not in task]
+
+
+def defaults_of_the_command(command, name):
+    """What the help of a command shows behind the type of an option, as in --seed UINT=1."""
+    shown = re.findall(r"^  --([\w-]+) [A-Z]+=(\S+)", command(name, "--help"), re.MULTILINE)
+    return {option.replace("-", "_"): value.strip("[]") for option, value in shown}
+
+
+def test_defaults_are_those_of_the_command(command):
+    parameters = inspect.signature(consimd.register).parameters
+    shown = defaults_of_the_command(command, "register")
+    assert shown["seed"] == str(parameters["seed"].default)
+    assert shown["solver"] == parameters["solver"].default
+    assert shown["filter"] == parameters["filter"].default
+    assert parameters["noise_bound"].default is None and "noise_bound" not in shown
+    assert inspect.signature(consimd.estimate_noise_bound).parameters["seed"].default == parameters["seed"].default
+
+    parameters = inspect.signature(consimd.sweep).parameters
+    shown = defaults_of_the_command(command, "sweep")
+    for name in ("points", "trials", "seed", "filter"):
+        assert shown[name] == str(parameters[name].default), name
+    assert shown["solver"] == ",".join(parameters["solvers"].default)
+    assert shown["outliers"] == ",".join(map(str, parameters["outliers"].default))
+
+
+def test_seeds_start_at_one():
+    """Everywhere: in the library, in the command, here."""
+    for function in (consimd.register, consimd.estimate_noise_bound, consimd.sweep):
+        assert inspect.signature(function).parameters["seed"].default == 1
+    for library in ("solvers", "synth"):
+        for name, text in headers(library).items():
+            for default in re.findall(r"uint64_t seed = (\d+)", text):
+                # That of a result says nothing before there is one.
+                assert default == ("0" if name == "registration.hpp" else "1"), name
