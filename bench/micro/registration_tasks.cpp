@@ -14,7 +14,8 @@ RegistrationTask noise_study_task(const synth::NoiseStudyOptions& options) {
   const synth::Problem problem = synth::noise_study_problem(options);
   return {
       problem.correspondences(), eigen_cloud(problem.source, problem.target), synth::noise_study_bound(options.sigma),
-      [problem](const RigidTransform& pose) { return synth::rmse_true_inliers(problem, pose) < 3.0 * problem.sigma; }};
+      [problem](const RigidTransform& pose) { return synth::rmse_true_inliers(problem, pose) < 3.0 * problem.sigma; },
+      [problem](const RigidTransform& pose) { return synth::rmse_true_inliers(problem, pose); }};
 }
 
 std::vector<std::filesystem::path> recorded_pairs() {
@@ -38,6 +39,9 @@ RegistrationTask recorded_task(const std::filesystem::path& folder) {
           [limits, truth = problem.T_target_source](const RigidTransform& estimate) {
             return synth::rotation_error_deg(estimate, truth) <= limits.rotation_deg &&
                    synth::translation_error(estimate, truth) <= limits.translation;
+          },
+          [truth = problem.T_target_source](const RigidTransform& estimate) {
+            return synth::translation_error(estimate, truth);
           }};
 }
 

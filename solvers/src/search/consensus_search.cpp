@@ -13,16 +13,6 @@
 namespace consimd::detail {
 namespace {
 
-// Rounds of seeds grow from the first to the last size: few for easy problems, enough to keep many threads busy in hard
-// ones.
-constexpr std::uint32_t kFirstRound = 4;
-constexpr std::uint32_t kLargestRound = 64;
-// The sets tried first in a round; the others must promise more than what these gave.
-constexpr std::size_t kFirstWave = 2;
-// Sets and poses this much worse than the best of their round are not worth a fit.
-constexpr float kWorthFitting = 0.5F;
-constexpr float kWorthOptimising = 0.8F;
-
 bool lower_score(const PoseCandidate& a, const PoseCandidate& b) { return a.support.score < b.support.score; }
 
 }  // namespace
@@ -30,7 +20,7 @@ bool lower_score(const PoseCandidate& a, const PoseCandidate& b) { return a.supp
 ConsensusSearch::ConsensusSearch(const Correspondences& correspondences, const ConsensusSearchOptions& options)
     : correspondences_(correspondences),
       options_(options),
-      sets_(correspondences, 2.0 * options.noise_bound, options.seed, options.matrix_budget_bytes),
+      sets_(correspondences, 2.0 * options.noise_bound, options.seed, options.matrix_budget_bytes, options.tuning),
       poses_(correspondences, options.noise_bound) {}
 
 std::uint64_t ConsensusSearch::seeds_needed() const {
@@ -42,18 +32,19 @@ std::uint64_t ConsensusSearch::seeds_needed() const {
 bool ConsensusSearch::confident() const { return sets_.drawn() >= seeds_needed(); }
 
 void ConsensusSearch::run(bool exhaustive) {
-  if (exhaustive) sets_.start_over_carefully();
+  const RoundTuning& rounds = options_.tuning.round;
+  if (exhaustive) sets_.start_over(with_care(options_.tuning));
   const std::uint64_t limit = std::min<std::uint64_t>(correspondences_.size(), options_.max_seeds);
   const auto wanted = [&] { return static_cast<std::uint32_t>(exhaustive ? limit : std::min(limit, seeds_needed())); };
   // A seed that the best pose moves to its target would lead to that pose again.
   const auto explained = [&](std::uint32_t row) {
     return poses_.best_explains(row) || (settled_ && poses_.runner_up_explains(row));
   };
-  for (std::uint32_t round = kFirstRound; sets_.drawn() < wanted(); round = std::min(2 * round, kLargestRound)) {
+  for (std::uint32_t round = rounds.first; sets_.drawn() < wanted(); round = std::min(2 * round, rounds.largest)) {
     const std::uint32_t left = wanted() - sets_.drawn();
-    sets_.draw(std::min(round, left), left > kLargestRound);
+    sets_.draw(std::min(round, left), left > rounds.largest);
     std::span<const std::uint32_t> ranking = sets_.rank(support_of_interest(), explained);
-    for (std::size_t wave = kFirstWave; !ranking.empty(); wave = ranking.size()) {
+    for (std::size_t wave = rounds.first_wave; !ranking.empty(); wave = ranking.size()) {
       wave = std::min(wave, ranking.size());
       sets_.prune(ranking.first(wave), support_of_interest(), settled_.has_value());
       fit_sets(ranking.first(wave));
@@ -69,22 +60,20 @@ std::uint32_t ConsensusSearch::support_of_interest() const {
 
 void ConsensusSearch::fit_sets(std::span<const std::uint32_t> positions) {
   const StageClock clock(three_point_seconds_);
-  std::size_t largest = 0;
-  for (const std::uint32_t h : positions) largest = std::max(largest, sets_.set(h).size());
-  const float least = std::max(3.0F, kWorthFitting * static_cast<float>(largest));
+  const ThreePointTuning& tuning = options_.tuning.three_point;
   std::vector<std::uint32_t> fitted;
-  std::copy_if(positions.begin(), positions.end(), std::back_inserter(fitted),
-               [&](std::uint32_t h) { return static_cast<float>(sets_.set(h).size()) >= least; });
+  std::ranges::copy_if(positions, std::back_inserter(fitted),
+                       [&](std::uint32_t h) { return sets_.set(h).size() >= 3; });
   if (fitted.empty()) return;
 
   candidates_.resize(fitted.size());
   tbb::parallel_for(std::size_t{0}, fitted.size(), [&](std::size_t i) {
     candidates_[i] = pose_of_set(correspondences_, sets_.set(fitted[i]), options_.noise_bound, options_.seed,
-                                 sets_.drawn() + fitted[i], support_of_interest(), scratch_.local());
+                                 sets_.drawn() + fitted[i], support_of_interest(), tuning, scratch_.local());
   });
-  minimal_fits_ += fitted.size() * kTriplesPerSet;
+  minimal_fits_ += fitted.size() * tuning.triples;
   const auto winner = std::max_element(candidates_.begin(), candidates_.end(), lower_score);
-  if (winner->support.score > kWorthOptimising * best().support.score) {
+  if (winner->support.score > kRivalShare * best().support.score) {
     *winner = locally_optimise(correspondences_, *winner, options_.noise_bound);
   }
   bool improved = false;

@@ -11,6 +11,7 @@
 
 #include "search/seed_sets.hpp"
 #include "search/set_poses.hpp"
+#include "search/tcf_tuning.hpp"
 #include "support/best_poses.hpp"
 #include "verdict/pose_test.hpp"
 
@@ -22,6 +23,7 @@ struct ConsensusSearchOptions {
   double confidence = 0.99;  ///< that a seed of the pose with the largest support has been drawn
   std::uint32_t max_seeds = 10'000;
   std::size_t matrix_budget_bytes = std::size_t{64} << 20;
+  TcfTuning tuning = {};
 };
 
 class ConsensusSearch {

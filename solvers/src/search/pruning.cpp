@@ -7,14 +7,6 @@
 namespace consimd::detail {
 namespace {
 
-constexpr std::uint32_t kMaxRounds = 50;
-constexpr std::uint32_t kSmallestDrop = 5;
-// In a large set only this share of what its bound allows stays in a round: merits tell so well that a clique far
-// smaller than the bound survives.
-constexpr double kLargeKept = 0.5;
-constexpr std::uint32_t kLarge = 256;
-constexpr double kLaterShare = 0.6;  // of the wanted clique that must be left after the first round
-
 std::uint32_t ceil_sqrt(std::uint64_t value) {
   auto root = static_cast<std::uint64_t>(std::sqrt(static_cast<double>(value)));
   while (root * root < value) ++root;
@@ -50,8 +42,8 @@ void subtract_chance(const ConsistencyMatrix& matrix, std::span<const std::uint3
 }  // namespace
 
 void prune(const ConsistencyMatrix& matrix, std::vector<std::uint32_t>& members, std::uint32_t give_up_below,
-           Merit merit, PruneScratch& scratch) {
-  for (std::uint32_t round = 0; round < kMaxRounds; ++round) {
+           Merit merit, const PruningTuning& tuning, PruneScratch& scratch) {
+  for (std::uint32_t round = 0;; ++round) {
     scratch.set.assign(matrix.words(), 0);
     for (const std::uint32_t row : members) scratch.set[row / kBlock] |= std::uint64_t{1} << (row % kBlock);
     scratch.degrees.resize(members.size());
@@ -61,16 +53,17 @@ void prune(const ConsistencyMatrix& matrix, std::vector<std::uint32_t>& members,
     for (const std::uint32_t degree : scratch.degrees) ones += degree;
     std::uint32_t keep = ceil_sqrt(ones);
     const auto size = static_cast<std::uint32_t>(members.size());
-    // Earlier rounds may have dropped some members of the clique already.
-    const std::uint32_t least = round == 0 ? give_up_below : static_cast<std::uint32_t>(kLaterShare * give_up_below);
-    if (keep < least) {
+    // Later rounds may have dropped some of the clique: only the first one can tell.
+    if (round == 0 && keep < give_up_below) {
       members.clear();
       return;
     }
     if (keep >= size) break;
 
     if (merit == Merit::excess) {
-      if (size > kLarge) keep = std::max(static_cast<std::uint32_t>(kLargeKept * keep), give_up_below);
+      if (size > tuning.large) {
+        keep = std::min(keep, std::max(static_cast<std::uint32_t>(tuning.large_kept * keep), give_up_below));
+      }
       subtract_chance(matrix, members, scratch.degrees);
     }
     Cut cut = cut_for(scratch.degrees, keep, scratch.histogram);
@@ -83,17 +76,17 @@ void prune(const ConsistencyMatrix& matrix, std::vector<std::uint32_t>& members,
       }
     }
     members.resize(kept);
-    if (size - keep < kSmallestDrop) break;
+    if (size - keep < tuning.smallest_drop) break;
   }
 }
 
 void SetPruner::prune(const Correspondences& correspondences, std::vector<std::uint32_t>& set, double consistency_bound,
-                      std::uint32_t give_up_below) {
+                      std::uint32_t give_up_below, const PruningTuning& tuning) {
   subset_.assign_subset(correspondences, set);
   matrix_.compute(subset_.view(), consistency_bound);
   local_.resize(set.size());
   std::iota(local_.begin(), local_.end(), 0U);
-  detail::prune(matrix_, local_, give_up_below, Merit::degree, scratch_);
+  detail::prune(matrix_, local_, give_up_below, Merit::degree, tuning, scratch_);
   for (std::size_t i = 0; i < local_.size(); ++i) set[i] = set[local_[i]];
   set.resize(local_.size());
 }

@@ -9,6 +9,8 @@
 #include <consimd/kernels/correspondences.hpp>
 #include <consimd/kernels/kernel_data.hpp>
 
+#include "search/tcf_tuning.hpp"
+
 namespace consimd::detail {
 
 /// What a member of a set is worth.
@@ -27,11 +29,11 @@ struct PruneScratch {
 
 /// Shrinks `members` (rows of `matrix`, ascending) in rounds: with E the number of consistent ordered pairs within the
 /// set, self pairs counted, only the m = ceil(sqrt(E)) members of highest merit stay (ties: the lower
-/// row), until a round drops fewer than five or 50 rounds are done; by excess, only half as many of a large set. m
-/// bounds the size of any clique in the set: when it shows that there is none of `give_up_below` members, `members`
-/// comes back empty.
+/// row), until a round drops few; by excess, only a part of them of a large set. m bounds the
+/// size of any clique in the set: when it shows that there is none of `give_up_below` members, `members` comes back
+/// empty.
 void prune(const ConsistencyMatrix& matrix, std::vector<std::uint32_t>& members, std::uint32_t give_up_below,
-           Merit merit, PruneScratch& scratch);
+           Merit merit, const PruningTuning& tuning, PruneScratch& scratch);
 
 /// Prunes sets given as rows of a `Correspondences`, by the consistency matrix of each set alone. Holds the memory that
 /// takes.
@@ -39,7 +41,7 @@ class SetPruner {
  public:
   /// As `prune` above for `set`, rows of `correspondences`; a set that is given up is cleared.
   void prune(const Correspondences& correspondences, std::vector<std::uint32_t>& set, double consistency_bound,
-             std::uint32_t give_up_below);
+             std::uint32_t give_up_below, const PruningTuning& tuning = {});
 
  private:
   PruneScratch scratch_;

@@ -11,27 +11,15 @@
 #include "support/row_blocks.hpp"
 
 namespace consimd::detail {
-namespace {
-
-// The first triples of a set. The others are tried if these give a score within the set of some share of its size and
-// of the support to beat, and are not needed once a third of the set agrees.
-constexpr std::uint32_t kFirstTriples = 48;
-constexpr float kPromisingShare = 0.07F;
-constexpr float kSupportShare = 0.3F;
-constexpr float kEnoughShare = 0.2F;
-constexpr std::size_t kGlances = 16;
-
-}  // namespace
-
 PoseCandidate pose_of_set(const Correspondences& correspondences, const std::vector<std::uint32_t>& set,
                           double noise_bound, std::uint64_t seed, std::uint64_t hypothesis,
-                          std::uint32_t support_to_beat, PoseScratch& scratch) {
+                          std::uint32_t support_to_beat, const ThreePointTuning& tuning, PoseScratch& scratch) {
   scratch.subset.assign_subset(correspondences, set);
   const CorrespondenceView subset = scratch.subset.view();
   CounterRandom random(seed, RandomStage::three_point, hypothesis);
-  scratch.triples.resize(kTriplesPerSet);
-  scratch.poses.resize(kTriplesPerSet);
-  scratch.support.resize(kTriplesPerSet);
+  scratch.triples.resize(tuning.triples);
+  scratch.poses.resize(tuning.triples);
+  scratch.support.resize(tuning.triples);
   const auto best_of = [&](std::size_t first, std::size_t count) {
     const std::span<IndexTriple> triples = std::span(scratch.triples).subspan(first, count);
     for (IndexTriple& triple : triples) triple = draw_triple(random, static_cast<std::uint32_t>(set.size()));
@@ -42,14 +30,12 @@ PoseCandidate pose_of_set(const Correspondences& correspondences, const std::vec
     const auto end = scratch.support.begin() + static_cast<std::ptrdiff_t>(first + count);
     return std::ranges::max_element(scratch.support.begin(), end, {}, &PoseSupport::score);
   };
-  auto best = best_of(0, kFirstTriples);
+  auto best = best_of(0, tuning.first_triples);
   // A set may hold a part of a pose's supporters only.
   const std::size_t wanted = std::min<std::size_t>(support_to_beat, set.size());
-  const float promising =
-      std::max(kPromisingShare * static_cast<float>(set.size()), kSupportShare * static_cast<float>(wanted));
-  if (best->score < promising) return {};
-  if (best->score < kEnoughShare * static_cast<float>(set.size())) {
-    best = best_of(kFirstTriples, kTriplesPerSet - kFirstTriples);
+  if (best->score < tuning.support_share * static_cast<float>(wanted)) return {};
+  if (best->score < tuning.enough_share * static_cast<float>(set.size())) {
+    best = best_of(tuning.first_triples, tuning.triples - tuning.first_triples);
   }
 
   const WorkingPose minimal = scratch.poses[static_cast<std::size_t>(best - scratch.support.begin())];
@@ -66,11 +52,11 @@ PoseCandidate pose_of_set(const Correspondences& correspondences, const std::vec
 }
 
 float score_at_a_glance(const Correspondences& correspondences, std::span<const std::uint32_t> set, double noise_bound,
-                        PoseScratch& scratch) {
+                        std::size_t glances, PoseScratch& scratch) {
   if (set.size() < 3) return 0.0F;
   scratch.subset.assign_subset(correspondences, set);
   const std::size_t others = set.size() - 2;
-  scratch.triples.resize(std::min(others, kGlances));
+  scratch.triples.resize(std::min(others, glances));
   for (std::size_t i = 0; i < scratch.triples.size(); ++i) {
     scratch.triples[i] = {0, 1, static_cast<std::uint32_t>(2 + i * others / scratch.triples.size())};
   }

@@ -8,12 +8,10 @@
 #include <consimd/kernels/correspondences.hpp>
 #include <consimd/kernels/kernel_data.hpp>
 
+#include "search/tcf_tuning.hpp"
 #include "support/pose_candidate.hpp"
 
 namespace consimd::detail {
-
-/// Minimal fits drawn from each set, at most.
-inline constexpr std::uint32_t kTriplesPerSet = 160;
 
 /// Scratch of `pose_of_set`, kept between calls.
 struct PoseScratch {
@@ -23,17 +21,17 @@ struct PoseScratch {
   std::vector<PoseSupport> support;
 };
 
-/// The best of `kTriplesPerSet` minimal fits to `set` (rows of `correspondences`, at least three) by their score within
+/// The best of `tuning.triples` minimal fits to `set` (rows of `correspondences`, at least three) by their score within
 /// the set, and its refit to the members it aligns; whichever of the two has the better score among all
 /// correspondences. `hypothesis` keys the draws. Its support is zero when the set determines no
 /// pose, or when the first fits show that there is none of `support_to_beat`.
 PoseCandidate pose_of_set(const Correspondences& correspondences, const std::vector<std::uint32_t>& set,
                           double noise_bound, std::uint64_t seed, std::uint64_t hypothesis,
-                          std::uint32_t support_to_beat, PoseScratch& scratch);
+                          std::uint32_t support_to_beat, const ThreePointTuning& tuning, PoseScratch& scratch);
 
-/// Largest score within `set` (rows of `correspondences`) of the minimal poses of its first two rows and each of a few
-/// of the others.
+/// Largest score within `set` (rows of `correspondences`) of the minimal poses of its first two rows and each of
+/// `glances` of the others.
 float score_at_a_glance(const Correspondences& correspondences, std::span<const std::uint32_t> set, double noise_bound,
-                        PoseScratch& scratch);
+                        std::size_t glances, PoseScratch& scratch);
 
 }  // namespace consimd::detail

@@ -3,6 +3,7 @@
 #include "call/solver_call.hpp"
 #include "search/consensus_search.hpp"
 #include "tcf/tcf_options.hpp"
+#include "tcf/tuned_tcf.hpp"
 #include "verdict/chance_search.hpp"
 #include "verdict/final_pose.hpp"
 
@@ -14,13 +15,15 @@ static_assert(TcfOptions().confidence == detail::ConsensusSearchOptions().confid
 static_assert(TcfOptions().max_seeds == detail::ConsensusSearchOptions().max_seeds);
 static_assert(TcfOptions().matrix_budget_bytes == detail::ConsensusSearchOptions().matrix_budget_bytes);
 
-void solve(const Correspondences& correspondences, const TcfOptions& options, Registration& result) {
+void solve(const Correspondences& correspondences, const TcfOptions& options, const detail::TcfTuning& tuning,
+           Registration& result) {
   const std::size_t size = correspondences.size();
   const detail::ConsensusSearchOptions search_options{.noise_bound = options.noise_bound,
                                                       .seed = options.seed,
                                                       .confidence = options.confidence,
                                                       .max_seeds = options.max_seeds,
-                                                      .matrix_budget_bytes = options.matrix_budget_bytes};
+                                                      .matrix_budget_bytes = options.matrix_budget_bytes,
+                                                      .tuning = tuning};
   const detail::PoseTest test = detail::pose_test(search_options, options.bounds_tried);
   detail::ConsensusSearch search(correspondences, search_options);
   double refinement_seconds = 0.0;
@@ -46,10 +49,15 @@ void solve(const Correspondences& correspondences, const TcfOptions& options, Re
 
 }  // namespace
 
+Registration detail::register_tuned_tcf(const Correspondences& correspondences, const TcfOptions& options,
+                                        const TcfTuning& tuning) {
+  require_options(tcf_options(), options);
+  return run_solver(correspondences, options.noise_bound, options.seed,
+                    [&](Registration& result) { solve(correspondences, options, tuning, result); });
+}
+
 Registration register_tcf(const Correspondences& correspondences, const TcfOptions& options) {
-  detail::require_options(detail::tcf_options(), options);
-  return detail::run_solver(correspondences, options.noise_bound, options.seed,
-                            [&](Registration& result) { solve(correspondences, options, result); });
+  return detail::register_tuned_tcf(correspondences, options, {});
 }
 
 }  // namespace consimd
