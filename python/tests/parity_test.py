@@ -153,10 +153,17 @@ def test_defaults_are_those_of_the_command(command):
     assert shown["solver"] == ",".join(parameters["solvers"].default)
     assert shown["outliers"] == ",".join(map(str, parameters["outliers"].default))
 
+    parameters = inspect.signature(consimd.compare).parameters
+    shown = defaults_of_the_command(command, "compare")
+    for name in ("trials", "points", "seed", "seeds", "filter", "thresholds", "iteration_problems"):
+        assert shown[name] == str(parameters[name].default), name
+    assert shown["table"] == ",".join(parameters["tables"].default)
+    assert parameters["solvers"].default is None and shown["solver"] == ",".join(consimd.solvers())
+
 
 def test_seeds_start_at_one():
     """Everywhere: in the library, in the command, here."""
-    for function in (consimd.register, consimd.estimate_noise_bound, consimd.sweep):
+    for function in (consimd.register, consimd.estimate_noise_bound, consimd.sweep, consimd.compare):
         assert inspect.signature(function).parameters["seed"].default == 1
     for library in ("solvers", "synth"):
         for name, text in headers(library).items():
