@@ -19,10 +19,10 @@ constexpr std::uint32_t kBounds = 10;
 constexpr double kResolution = 1e-14;
 constexpr std::uint32_t kSeeds = 1024;
 // Bounds tried after the most significant one before it is believed to be that.
-constexpr int kPatience = 3;
+constexpr int kBoundsPastTheLeast = 3;
 // The bound is three deviations; measured again until it changes by less than this factor.
 constexpr double kDeviations = 3.0;
-constexpr double kSettled = 1.05;
+constexpr double kSettledFactor = 1.05;
 constexpr int kMeasurements = 10;
 
 // Root mean square distance of the sources from their centroid, caller's unit.
@@ -44,7 +44,7 @@ double measured_bound(const Correspondences& correspondences, WorkingPose pose, 
     pose = to_working_pose(refined.fit.pose);
     const double former = bound;
     bound = kDeviations * refined.sigma;
-    if (bound < former * kSettled && former < bound * kSettled) break;
+    if (bound < former * kSettledFactor && former < bound * kSettledFactor) break;
   }
   return bound;
 }
@@ -64,10 +64,10 @@ detail::ConsensusSearchOptions options_for(double bound, std::uint64_t seed) {
 // By the closed form of the significance.
 std::vector<Attempt> attempts(const Correspondences& correspondences, double least_bound, std::uint64_t seed) {
   std::vector<Attempt> result;
-  double least = detail::kSure;
+  double least = detail::kLog10ClosedFormBelieved;
   int since_least = 0;
   double bound = least_bound;
-  for (std::uint32_t b = 0; b < kBounds && since_least < kPatience; ++b, bound *= 2.0) {
+  for (std::uint32_t b = 0; b < kBounds && since_least < kBoundsPastTheLeast; ++b, bound *= 2.0) {
     detail::ConsensusSearch search(correspondences, options_for(bound, seed));
     search.run(false);
     const detail::PoseCandidate& best = search.best();
@@ -77,7 +77,7 @@ std::vector<Attempt> attempts(const Correspondences& correspondences, double lea
     if (log10_false_poses < least) {
       least = log10_false_poses;
       since_least = 0;
-    } else if (least < detail::kSure) {
+    } else if (least < detail::kLog10ClosedFormBelieved) {
       ++since_least;
     }
   }
@@ -95,7 +95,7 @@ NoiseBoundEstimate estimate_noise_bound(const Correspondences& correspondences, 
   const auto by_chance = [](const Attempt& attempt) { return attempt.log10_false_poses; };
   const double bounds = std::log10(kBounds);
   auto chosen = std::ranges::min_element(tried, {}, by_chance);
-  if (chosen->log10_false_poses <= detail::kSure) {
+  if (chosen->log10_false_poses <= detail::kLog10ClosedFormBelieved) {
     return {measured_bound(correspondences, chosen->best.pose, chosen->bound), chosen->log10_false_poses + bounds,
             kBounds};
   }

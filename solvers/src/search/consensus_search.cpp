@@ -84,7 +84,7 @@ void ConsensusSearch::fit_sets(std::span<const std::uint32_t> positions) {
   }
   if (!improved) return;
   settled_ = significance(correspondences_, best().pose, options_.noise_bound, options_.seed, Scrutiny::glance);
-  if (settled_->log10_false_poses > kSure) settled_.reset();
+  if (settled_->log10_false_poses > kLog10ClosedFormBelieved) settled_.reset();
 }
 
 PoseTest pose_test(const ConsensusSearchOptions& options, std::uint32_t bounds_tried) {

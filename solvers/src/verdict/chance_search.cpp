@@ -23,16 +23,16 @@ constexpr std::uint32_t kSeedsPerPairing = 96;
 // Least scale of the scores' exponential tail, in supporters: so few pairings tell their own only roughly.
 constexpr double kLeastTail = 0.35;
 // log10 of false poses beyond which a first wave is believed.
-constexpr double kClearly = 1.0;
+constexpr double kLog10MarginOfDecision = 1.0;
 
 // Fewer correspondences have scores in steps too coarse for a tail, and few triples for the closed form to count.
-constexpr std::size_t kFew = 128;
+constexpr std::size_t kLeastRowsForPairings = 128;
 
 // Score of a pairing without any pose. Three supporters are not much more than none.
 constexpr double kLeastScore = 2.0;
 
 // Share of clustered correspondences from which random pairings are no match for them.
-constexpr double kClustered = 0.25;
+constexpr double kClusteredShareWithoutPairings = 0.25;
 
 // Permutations of `size` rows, each a shuffle of the one before.
 std::array<std::vector<std::uint32_t>, kPairings> random_permutations(std::size_t size, std::uint64_t seed) {
@@ -65,8 +65,9 @@ double log10_of_greater(std::span<const double> greatest, double score, double t
 
 double log10_false_poses(const Correspondences& correspondences, const PoseTest& test, const PoseCandidate& best,
                          std::uint32_t seeds, const Significance& closed_form) {
-  if (correspondences.size() < kFew || closed_form.log10_false_poses <= kSure ||
-      closed_form.log10_false_poses >= kHopeless || clustered_share(correspondences.view()) >= kClustered) {
+  if (correspondences.size() < kLeastRowsForPairings || closed_form.log10_false_poses <= kLog10ClosedFormBelieved ||
+      closed_form.log10_false_poses >= kLog10PairingsUseless ||
+      clustered_share(correspondences.view()) >= kClusteredShareWithoutPairings) {
     return closed_form.log10_false_poses;
   }
   return log10_chance_of_score(correspondences, test, best.support.score * closed_form.independent_share, seeds);
@@ -88,7 +89,7 @@ double log10_chance_of_score(const Correspondences& correspondences, const PoseT
     });
     log10_poses =
         log10_of_greater(std::span(scores).first(first + kWave), score, static_cast<double>(seeds) / max_seeds);
-    if (std::abs(log10_poses - kSignificant) > kClearly) break;
+    if (std::abs(log10_poses - kSignificant) > kLog10MarginOfDecision) break;
   }
   return log10_poses;
 }

@@ -14,9 +14,10 @@ namespace consimd::detail {
 
 /// log10 of the number of false poses below which a support is significant.
 inline constexpr double kSignificant = -3.0;
-/// From here on the closed form is believed (`significance`); up to kHopeless pairings may still tell otherwise.
-inline constexpr double kSure = -4.5;
-inline constexpr double kHopeless = 3.0;
+/// From here on the closed form is believed (`significance`); up to kLog10PairingsUseless pairings may still tell
+/// otherwise.
+inline constexpr double kLog10ClosedFormBelieved = -4.5;
+inline constexpr double kLog10PairingsUseless = 3.0;
 
 /// log10 of the expected number of false poses with the support of `best`, which was found from `seeds` seeds;
 /// `closed_form`: what `significance` says of it. Random pairings tell more exactly than that what chance can do,

@@ -14,7 +14,7 @@
 namespace consimd::detail {
 namespace {
 
-constexpr std::size_t kSmall = 8 * kBlock;  // up to here correspondences are shifted row by row
+constexpr std::size_t kMostRowsShiftedSingly = 8 * kBlock;  // up to here correspondences are shifted row by row
 
 // Of `distinct` values some were drawn, few of them maybe many times.
 double share_below(const std::vector<double>& values, double distinct, double bound) {
@@ -31,7 +31,7 @@ double pose_chance(const CorrespondenceView& view, const WorkingPose& pose, doub
   const std::size_t size = view.size();
   double hits = 0.0;
   double trials = 0.0;
-  if (size <= kSmall) {
+  if (size <= kMostRowsShiftedSingly) {
     const double limit = bound * view.scale();
     const std::size_t step = std::max<std::size_t>(1, (size - 1) / shifts);
     for (std::size_t shift = 1; shift < size; shift += step) {

@@ -23,7 +23,7 @@ constexpr double kResolution = 1e-7;
 // A length beyond every distance in the working frame.
 constexpr double kEverything = 8.0;
 // A reflection explains thin scenes nearly as well as the pose does; this many times its supporters tell.
-constexpr double kClearlyMore = 1.1;
+constexpr double kMirrorSupportRatio = 1.1;
 
 // With the moments of the supporters and the deviation of a residual in the working frame.
 double rotation_deviation(const RigidMoments& moments, double working_sigma) {
@@ -80,7 +80,7 @@ bool is_mirrored(const Correspondences& correspondences, const std::vector<std::
     pose = to_working_pose(fit.pose);
   }
   return static_cast<double>(pose_inliers(mirrored.view(), pose, bound).size()) >
-         kClearlyMore * static_cast<double>(supporters);
+         kMirrorSupportRatio * static_cast<double>(supporters);
 }
 
 }  // namespace consimd::detail

@@ -10,9 +10,9 @@ namespace consimd::detail {
 namespace {
 
 // Gain in log-likelihood that a heavier tail must bring, so that chance does not make a Gaussian one heavy.
-constexpr double kMargin = 2.0;
+constexpr double kLeastGainOfHeavierTail = 2.0;
 // Tails that are so much less likely are not tried again.
-constexpr double kHopeless = 6.0;
+constexpr double kLossOfDroppedTail = 6.0;
 constexpr std::array<std::uint32_t, 4> kExponents{64, 8, 4, 2};
 // A scale that changes by less than this share in a round stands still.
 constexpr double kStill = 1e-4;
@@ -101,9 +101,9 @@ const ResidualMixture& MixtureChoice::fit(const ResidualHistogram& histogram, in
   for (ResidualMixture& mixture : candidates_) {
     if (mixture.log_likelihood < least_log_likelihood_) continue;
     fit_mixture(histogram, mixture, rounds);
-    if (best == nullptr || mixture.log_likelihood > best->log_likelihood + kMargin) best = &mixture;
+    if (best == nullptr || mixture.log_likelihood > best->log_likelihood + kLeastGainOfHeavierTail) best = &mixture;
   }
-  least_log_likelihood_ = best->log_likelihood - kHopeless;
+  least_log_likelihood_ = best->log_likelihood - kLossOfDroppedTail;
   return *best;
 }
 

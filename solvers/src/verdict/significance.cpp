@@ -19,8 +19,8 @@ namespace {
 
 constexpr std::array kBounds{1.0, 0.5, 0.7, 0.35};  // in noise bounds
 // ln of false poses at which no other bound is tried, and at which a glance is enough.
-constexpr double kBeyondDoubt = -20.0;
-constexpr double kEnough = -10.4;
+constexpr double kLnNoOtherBoundTried = -20.0;
+constexpr double kLnGlanceSuffices = -10.4;
 
 // How closely is looked: a glance settles most cases.
 struct Effort {
@@ -106,7 +106,7 @@ double least_log_false_poses(const CorrespondenceView& view, const WorkingPose& 
     const double by_neighbour = supporters.share * near_miss_chance(view, pose, bound, rows.size());
     least =
         std::min(least, log_false_poses(size, supporters, length_chance(2.0 * bound), std::max(by_any, by_neighbour)));
-    if (least < kBeyondDoubt) break;
+    if (least < kLnNoOtherBoundTried) break;
   }
   return least;
 }
@@ -121,7 +121,7 @@ Significance significance(const Correspondences& correspondences, const WorkingP
   if (view.size() < 3) return result;
   const std::vector<std::uint32_t> explained = detail::pose_inliers(view, pose, noise_bound);
   double least = least_log_false_poses(view, pose, noise_bound, explained, seed, kGlance);
-  if (least > kEnough && scrutiny == Scrutiny::close) {
+  if (least > kLnGlanceSuffices && scrutiny == Scrutiny::close) {
     least = least_log_false_poses(view, pose, noise_bound, explained, seed, kClose);
   }
   result.independent_share = independent_supporters(view, explained, noise_bound, kGlance.supporters).share;
