@@ -73,21 +73,21 @@ template <typename Options, typename Value>
 Value value_of(Value Options::*);
 
 template <typename Value>
-constexpr bool kMayBeNone = false;
+inline constexpr bool kMayBeNone = false;
 template <typename Value>
-constexpr bool kMayBeNone<std::optional<Value>> = true;
+inline constexpr bool kMayBeNone<std::optional<Value>> = true;
 
 /// An option that is a member of an options struct. range: of real numbers; other types have theirs, whole numbers from
 /// `least` on.
 template <auto Member>
-auto option(std::string_view name, std::string_view unit, std::string_view meaning, OptionRange range) {
+auto option(std::string_view name, std::string_view unit, std::string_view meaning, const OptionRange& range) {
   using Options = decltype(class_of(Member));
   using Value = decltype(value_of(Member));
   return ListedOption<Options>{
       .option = {.name = std::string(name),
                  .unit = std::string(unit),
                  .meaning = std::string(meaning),
-                 .range = std::move(range),
+                 .range = range,
                  .may_be_none = kMayBeNone<Value>,
                  .default_value = to_option_value(Options().*Member)},
       .get = [](const Options& options) { return to_option_value(options.*Member); },

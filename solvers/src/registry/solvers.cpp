@@ -63,7 +63,7 @@ Solver entry(std::string name, Facts facts, const detail::OptionList<Options>& l
   return solver;
 }
 
-Preset samples(std::string name, std::string in_words, std::uint64_t count) {
+Preset samples(std::string name, const std::string& in_words, std::uint64_t count) {
   return {.name = std::move(name),
           .description = "ransac with exactly " + in_words + " samples",
           .settings = {{"max_iterations", count}, {"confidence", std::monostate()}}};
