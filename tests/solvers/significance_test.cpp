@@ -17,7 +17,7 @@ namespace {
 double significance_of_truth(const Problem& problem, double noise_bound) {
   const Correspondences correspondences = problem.correspondences();
   const WorkingPose truth = to_working_pose(to_working_frame(problem.T_target_source, correspondences));
-  return significance(correspondences, truth, noise_bound, 1).log10_false_poses;
+  return significance(correspondences, truth, noise_bound).log10_false_poses;
 }
 
 class SignificanceOfTruth : public ::testing::TestWithParam<std::tuple<double, double>> {};
@@ -77,7 +77,7 @@ TEST_P(SignificanceByChance, BestPosesWithoutATruthAreNotSignificant) {
           one_point_ransac(correspondences, {.consistency_bound = 6.0, .max_iterations = 200, .seed = seed});
       const ThreePointResult result =
           three_point_ransac(correspondences, set.members, {.noise_bound = 3.0, .max_iterations = 500, .seed = seed});
-      least = std::min(least, significance(correspondences, to_working_pose(result.pose), 3.0, seed).log10_false_poses);
+      least = std::min(least, significance(correspondences, to_working_pose(result.pose), 3.0).log10_false_poses);
     }
     if (least < -1.0) ++below_one;
     if (least < -2.0) ++below_two;
@@ -91,7 +91,7 @@ TEST(Significance, APoseWithoutSupportHasNone) {
   const Correspondences correspondences = problem.correspondences();
   const RigidTransform far = motion(2.0, {1.0, 2.0, 0.0}, {1e4, 0.0, 0.0});
   const double value =
-      significance(correspondences, to_working_pose(to_working_frame(far, correspondences)), 3.0, 1).log10_false_poses;
+      significance(correspondences, to_working_pose(to_working_frame(far, correspondences)), 3.0).log10_false_poses;
   EXPECT_GE(value, 0.0);
   EXPECT_LE(value, std::log10(1000.0 * 999.0 * 998.0 / 6.0) + 1.0);
 }
@@ -101,7 +101,7 @@ TEST(Significance, FewerThanThreeCorrespondencesHaveNone) {
     const Problem problem = synth::noise_study_problem({.correspondences = n, .outlier_ratio = 0.0, .sigma = 0.0});
     EXPECT_GE(significance_of_truth(problem, 1.0), 0.0);
   }
-  EXPECT_GE(significance(Correspondences(), to_working_pose(RigidTransform::Identity()), 1.0, 1).log10_false_poses,
+  EXPECT_GE(significance(Correspondences(), to_working_pose(RigidTransform::Identity()), 1.0).log10_false_poses,
             0.0);
 }
 

@@ -158,7 +158,8 @@ TEST(TcfFewCorrespondences, AreFoundAmongAsManyOutliers) {
       expect_sound(result, problem, kNoiseBound);
       if (!result.has_pose()) continue;
       ++found;
-      EXPECT_LT(displacement(problem, result.T_target_source, problem.T_target_source), kNoiseBound);
+      // An outlier that is near by chance weighs as much as one of six.
+      EXPECT_LT(displacement(problem, result.T_target_source, problem.T_target_source), 2.0 * kNoiseBound);
     }
     EXPECT_GE(found, 18) << inliers;
   }

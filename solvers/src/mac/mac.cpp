@@ -157,8 +157,7 @@ void solve(const Correspondences& correspondences, const MacOptions& options, Re
   const auto unexplained = [&](std::uint32_t row) { return !poses.best_explains(row); };
   const bool confident = std::ranges::count_if(selected.cut_short, unexplained) <= poses.best().support.count;
   result.stages = {clique_report, hypothesis_report};
-  const detail::PoseTest test =
-      detail::pose_test({.noise_bound = options.noise_bound, .seed = options.seed}, options.bounds_tried);
+  const detail::PoseTest test = {options.noise_bound, options.bounds_tried};
   detail::finish_and_conclude(correspondences, test, poses, best_set, confident, result);
 }
 

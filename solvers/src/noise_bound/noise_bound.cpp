@@ -8,7 +8,7 @@
 #include <consimd/solvers/significance.hpp>
 
 #include "search/consensus_search.hpp"
-#include "verdict/chance_search.hpp"
+#include "verdict/pose_test.hpp"
 
 namespace consimd {
 namespace {
@@ -53,7 +53,6 @@ double measured_bound(const Correspondences& correspondences, WorkingPose pose, 
 struct Attempt {
   double bound;
   detail::PoseCandidate best;
-  std::uint32_t seeds;
   double log10_false_poses;
 };
 
@@ -64,7 +63,7 @@ detail::ConsensusSearchOptions options_for(double bound, std::uint64_t seed) {
 // By the closed form of the significance.
 std::vector<Attempt> attempts(const Correspondences& correspondences, double least_bound, std::uint64_t seed) {
   std::vector<Attempt> result;
-  double least = detail::kLog10ClosedFormBelieved;
+  double least = detail::kSignificant;
   int since_least = 0;
   double bound = least_bound;
   for (std::uint32_t b = 0; b < kBounds && since_least < kBoundsPastTheLeast; ++b, bound *= 2.0) {
@@ -72,12 +71,12 @@ std::vector<Attempt> attempts(const Correspondences& correspondences, double lea
     search.run(false);
     const detail::PoseCandidate& best = search.best();
     if (best.support.count < 3) continue;
-    const double log10_false_poses = significance(correspondences, best.pose, bound, seed).log10_false_poses;
-    result.push_back({bound, best, search.sets().drawn(), log10_false_poses});
+    const double log10_false_poses = significance(correspondences, best.pose, bound).log10_false_poses;
+    result.push_back({bound, best, log10_false_poses});
     if (log10_false_poses < least) {
       least = log10_false_poses;
       since_least = 0;
-    } else if (least < detail::kLog10ClosedFormBelieved) {
+    } else if (least < detail::kSignificant) {
       ++since_least;
     }
   }
@@ -94,17 +93,11 @@ NoiseBoundEstimate estimate_noise_bound(const Correspondences& correspondences, 
   if (tried.empty()) return {kLeastBound * size, 0.0, kBounds};
   const auto by_chance = [](const Attempt& attempt) { return attempt.log10_false_poses; };
   const double bounds = std::log10(kBounds);
-  auto chosen = std::ranges::min_element(tried, {}, by_chance);
-  if (chosen->log10_false_poses <= detail::kLog10ClosedFormBelieved) {
+  const auto chosen = std::ranges::min_element(tried, {}, by_chance);
+  if (chosen->log10_false_poses < detail::kSignificant) {
     return {measured_bound(correspondences, chosen->best.pose, chosen->bound), chosen->log10_false_poses + bounds,
             kBounds};
   }
-  for (Attempt& attempt : tried) {
-    attempt.log10_false_poses = detail::log10_false_poses(
-        correspondences, detail::pose_test(options_for(attempt.bound, seed), kBounds), attempt.best, attempt.seeds,
-        significance(correspondences, attempt.best.pose, attempt.bound, seed));
-  }
-  chosen = std::ranges::min_element(tried, {}, by_chance);
   return {chosen->bound, chosen->log10_false_poses + bounds, kBounds};  // too few supporters to measure
 }
 

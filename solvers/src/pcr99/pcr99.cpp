@@ -18,9 +18,9 @@
 #include "search/consensus_search.hpp"
 #include "search/matrix_sample.hpp"
 #include "support/hypothesis_selection.hpp"
-#include "verdict/chance_search.hpp"
 #include "verdict/final_pose.hpp"
 #include "verdict/pose_checks.hpp"
+#include "verdict/pose_test.hpp"
 
 namespace consimd {
 namespace {
@@ -42,9 +42,7 @@ double length_of(double tolerance, const Pcr99Options& options) {
   return std::min(tolerance * options.noise_bound, 1e300);
 }
 
-detail::PoseTest test_of(const Pcr99Options& options) {
-  return detail::pose_test({.noise_bound = options.noise_bound, .seed = options.seed}, options.bounds_tried);
-}
+detail::PoseTest test_of(const Pcr99Options& options) { return {options.noise_bound, options.bounds_tried}; }
 
 /// The search among some of the correspondences, best first.
 class Search {
@@ -99,9 +97,7 @@ class Search {
   // As the final pose is judged.
   [[nodiscard]] bool is_significant() const {
     const detail::PoseCandidate& best = poses_.best();
-    const Significance closed_form = significance(correspondences_, best.pose, options_.noise_bound, options_.seed);
-    return detail::log10_false_poses(correspondences_, test_of(options_), best,
-                                     static_cast<std::uint32_t>(correspondences_.size()), closed_form) +
+    return significance(correspondences_, best.pose, options_.noise_bound).log10_false_poses +
                std::log10(std::max(options_.bounds_tried, 1U)) <
            detail::kSignificant;
   }

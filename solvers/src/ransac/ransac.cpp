@@ -20,8 +20,7 @@ void solve(const Correspondences& correspondences, const RansacOptions& options,
   search_report.iterations = search.iterations();
 
   result.stages = {search_report};
-  const detail::PoseTest test =
-      detail::pose_test({.noise_bound = options.noise_bound, .seed = options.seed}, options.bounds_tried);
+  const detail::PoseTest test = {options.noise_bound, options.bounds_tried};
   detail::finish_and_conclude(correspondences, test, search.poses(), search.best_set(), search.confident(), result);
 }
 

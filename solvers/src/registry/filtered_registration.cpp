@@ -27,7 +27,7 @@ void solve(const Correspondences& correspondences, double noise_bound, std::uint
     return;
   }
 
-  const PoseTest test = pose_test({.noise_bound = noise_bound, .seed = seed}, bounds_tried);
+  const PoseTest test = {noise_bound, bounds_tried};
   StageReport all_rows{"all_rows", size};
   {
     const StageClock stage_clock(all_rows.seconds);
@@ -36,7 +36,7 @@ void solve(const Correspondences& correspondences, double noise_bound, std::uint
     if (found.runner_up) poses.offer(scored(correspondences, found.runner_up->T_target_source, noise_bound));
     FinalPose final;
     if (poses.best().support.count >= 3) {
-      final = finish(correspondences, test, poses.best(), static_cast<std::uint32_t>(size));
+      final = finish(correspondences, test, poses);
     }
     const bool confident = filtered.confident && found.status != Status::budget_exhausted;
     conclude(correspondences, test, poses, filtered.rows, final, confident, result);

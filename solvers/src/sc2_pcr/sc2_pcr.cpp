@@ -9,7 +9,6 @@
 #include "search/consensus_search.hpp"
 #include "search/matrix_sample.hpp"
 #include "support/hypothesis_selection.hpp"
-#include "verdict/chance_search.hpp"
 #include "verdict/final_pose.hpp"
 #include "verdict/pose_checks.hpp"
 
@@ -50,7 +49,7 @@ void solve(const Correspondences& correspondences, const Sc2PcrOptions& options,
   const auto first_seeds = static_cast<std::size_t>(std::ceil(options.seed_share * static_cast<double>(rows.size())));
   detail::BestPoses poses(correspondences, tau);
   std::vector<std::uint32_t> best_set;
-  const detail::PoseTest test = detail::pose_test({.noise_bound = tau, .seed = options.seed}, options.bounds_tried);
+  const detail::PoseTest test = {tau, options.bounds_tried};
   detail::FinalPose final;
   // The rest of the correspondences are seeds as well if the first ones lead to no significant pose.
   for (const auto& [begin, end] : {std::pair(std::size_t{0}, first_seeds), std::pair(first_seeds, order.size())}) {
@@ -68,7 +67,7 @@ void solve(const Correspondences& correspondences, const Sc2PcrOptions& options,
     }
     const detail::StageClock stage_clock(refinement.seconds);
     if (poses.best().support.count >= 3) {
-      final = detail::finish(correspondences, test, poses.best(), static_cast<std::uint32_t>(size));
+      final = detail::finish(correspondences, test, poses);
     }
     if (final.log10_false_poses < detail::kSignificant) break;
   }

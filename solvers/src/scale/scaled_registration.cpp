@@ -131,14 +131,13 @@ void solve(const Correspondences& correspondences, double noise_bound, std::uint
       similarity_report.iterations = refine(correspondences, noise_bound, similarity);
     }
     const Correspondences scaled = correspondences.with_scaled_source(similarity.scale);
-    const PoseTest test = pose_test({.noise_bound = noise_bound, .seed = seed},
-                                    times(bounds_tried, scales_told_apart(scaled, noise_bound, seed)));
+    const PoseTest test{noise_bound, times(bounds_tried, scales_told_apart(scaled, noise_bound, seed))};
     BestPoses poses(scaled, noise_bound);
     poses.offer(scored(scaled, similarity.T_target_source, noise_bound));
     if (found.runner_up) poses.offer(scored(scaled, found.runner_up->T_target_source, noise_bound));
     FinalPose final;
     if (poses.best().support.count >= 3) {
-      final = finish(scaled, test, poses.best(), static_cast<std::uint32_t>(size), refinement);
+      final = finish(scaled, test, poses, refinement);
     }
     // The solver has told that the set is no reflection's.
     conclude(scaled, test, poses, final.inliers, final, found.status != Status::budget_exhausted, result);

@@ -8,7 +8,7 @@
 #include "call/stage_clock.hpp"
 #include "sampling/sampling.hpp"
 #include "verdict/ambiguity.hpp"
-#include "verdict/chance_search.hpp"
+#include "verdict/pose_test.hpp"
 
 namespace consimd::detail {
 namespace {
@@ -83,20 +83,8 @@ void ConsensusSearch::fit_sets(std::span<const std::uint32_t> positions) {
     improved = true;
   }
   if (!improved) return;
-  settled_ = significance(correspondences_, best().pose, options_.noise_bound, options_.seed, Scrutiny::glance);
-  if (settled_->log10_false_poses > kLog10ClosedFormBelieved) settled_.reset();
-}
-
-PoseTest pose_test(const ConsensusSearchOptions& options, std::uint32_t bounds_tried) {
-  const auto best_score = [options](const Correspondences& correspondences, std::uint64_t seed, std::uint32_t seeds) {
-    ConsensusSearchOptions repeated = options;
-    repeated.seed = seed;
-    repeated.max_seeds = seeds;
-    ConsensusSearch search(correspondences, repeated);
-    search.run(false);
-    return static_cast<double>(search.best().support.score);
-  };
-  return {options.noise_bound, options.seed, bounds_tried, best_score};
+  settled_ = significance(correspondences_, best().pose, options_.noise_bound, Scrutiny::glance);
+  if (settled_->log10_false_poses >= kBeyondDoubt) settled_.reset();
 }
 
 }  // namespace consimd::detail

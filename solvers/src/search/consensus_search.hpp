@@ -13,7 +13,6 @@
 #include "search/set_poses.hpp"
 #include "search/tcf_tuning.hpp"
 #include "support/best_poses.hpp"
-#include "verdict/pose_test.hpp"
 
 namespace consimd::detail {
 
@@ -68,9 +67,5 @@ class ConsensusSearch {
   double three_point_seconds_ = 0.0;
   std::uint64_t minimal_fits_ = 0;
 };
-
-/// The test of a pose against what this search finds in random pairings: for this solver's poses, and for those of
-/// others as well, since it finds poses of chance at least as well as they do. `bounds_tried`: as in PoseTest.
-PoseTest pose_test(const ConsensusSearchOptions& options, std::uint32_t bounds_tried);
 
 }  // namespace consimd::detail

@@ -10,12 +10,16 @@ namespace consimd::detail {
 
 class BestPoses {
  public:
-  /// Keeps a reference to the correspondences.
+  /// Keeps a pointer to the correspondences.
   BestPoses(const Correspondences& correspondences, double noise_bound);
 
   /// Keeps a candidate that is better than the best pose, or another motion and better than the runner-up.
   /// Returns whether it is the best pose now.
   bool offer(const PoseCandidate& candidate);
+
+  /// Makes `candidate` the best pose, whatever its score; the former best pose is the runner-up if that is another
+  /// motion.
+  void promote(const PoseCandidate& candidate);
 
   /// Support.count below 3: none.
   [[nodiscard]] const PoseCandidate& best() const noexcept { return best_; }
@@ -29,9 +33,10 @@ class BestPoses {
   [[nodiscard]] bool runner_up_explains(std::uint32_t row) const { return explains(runner_up_, row); }
 
  private:
+  void set_best(const PoseCandidate& candidate);
   [[nodiscard]] bool explains(const PoseCandidate& candidate, std::uint32_t row) const;
 
-  const Correspondences& correspondences_;
+  const Correspondences* correspondences_;
   double noise_bound_;
   PoseCandidate best_;
   RigidMoments best_supporters_{};

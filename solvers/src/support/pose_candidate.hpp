@@ -25,6 +25,10 @@ PoseCandidate scored(const Correspondences& correspondences, const RigidTransfor
 /// score met on the way.
 PoseCandidate locally_optimise(const Correspondences& correspondences, const PoseCandidate& start, double noise_bound);
 
+/// The same, and from there again with bounds from three times `noise_bound` on: for a pose that may hang on a part of
+/// its supporters.
+PoseCandidate widely_optimise(const Correspondences& correspondences, const PoseCandidate& start, double noise_bound);
+
 /// Rows within `noise_bound` of `pose`, ascending.
 std::vector<std::uint32_t> pose_inliers(const CorrespondenceView& view, const WorkingPose& pose, double noise_bound);
 

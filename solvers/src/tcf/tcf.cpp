@@ -4,7 +4,6 @@
 #include "search/consensus_search.hpp"
 #include "tcf/tcf_options.hpp"
 #include "tcf/tuned_tcf.hpp"
-#include "verdict/chance_search.hpp"
 #include "verdict/final_pose.hpp"
 
 namespace consimd {
@@ -24,26 +23,27 @@ void solve(const Correspondences& correspondences, const TcfOptions& options, co
                                                       .max_seeds = options.max_seeds,
                                                       .matrix_budget_bytes = options.matrix_budget_bytes,
                                                       .tuning = tuning};
-  const detail::PoseTest test = detail::pose_test(search_options, options.bounds_tried);
+  const detail::PoseTest test = {options.noise_bound, options.bounds_tried};
   detail::ConsensusSearch search(correspondences, search_options);
   double refinement_seconds = 0.0;
+  detail::BestPoses poses(correspondences, options.noise_bound);
   detail::FinalPose final;
   for (const bool exhaustive : {false, true}) {
     search.run(exhaustive);
     const detail::StageClock refinement_clock(refinement_seconds);
     if (search.best().support.count >= 3) {
-      final = detail::finish(correspondences, test, search.best(), search.sets().drawn(), detail::Refinement::full,
-                             search.settled());
+      poses = search.poses();
+      final = detail::finish(correspondences, test, poses, detail::Refinement::full, search.settled());
     }
     if (final.log10_false_poses < detail::kSignificant) break;
   }
 
-  detail::conclude(correspondences, test, search.poses(), search.best_set(), final, search.confident(), result);
+  detail::conclude(correspondences, test, poses, search.best_set(), final, search.confident(), result);
   const detail::SeedSets& sets = search.sets();
   result.stages = {
       {"one_point", size, sets.largest_raw_set(), sets.drawn(), sets.one_point_seconds()},
       {"two_point", sets.largest_raw_set(), search.best_set().size(), sets.drawn(), sets.two_point_seconds()},
-      {"three_point", size, search.best().support.count, search.minimal_fits(), search.three_point_seconds()},
+      {"three_point", size, poses.best().support.count, search.minimal_fits(), search.three_point_seconds()},
       {"refinement", size, result.inliers.size(), final.rounds, refinement_seconds}};
 }
 

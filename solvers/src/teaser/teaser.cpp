@@ -161,8 +161,7 @@ void solve(const Correspondences& correspondences, const TeaserOptions& options,
     result.stages.push_back(rival_report);
   }
 
-  const detail::PoseTest test =
-      detail::pose_test({.noise_bound = options.noise_bound, .seed = options.seed}, options.bounds_tried);
+  const detail::PoseTest test = {options.noise_bound, options.bounds_tried};
   detail::finish_and_conclude(correspondences, test, poses, selected.rows, selected.proven, result,
                               refinement_of(options));
 }

@@ -64,7 +64,7 @@ void solve(const Correspondences& correspondences, const TurboRegOptions& option
     clique_search.iterations = cliques.size();
   }
   result.stages = {compatibility, pivot_search, clique_search};
-  const detail::PoseTest test = detail::pose_test({.noise_bound = tau, .seed = options.seed}, options.bounds_tried);
+  const detail::PoseTest test = {tau, options.bounds_tried};
   detail::finish_and_conclude(correspondences, test, poses, best_set, true, result);
 }
 

@@ -2,12 +2,12 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include <consimd/solvers/pose_refinement.hpp>
 
 #include "call/stage_clock.hpp"
 #include "verdict/ambiguity.hpp"
-#include "verdict/chance_search.hpp"
 #include "verdict/pose_checks.hpp"
 
 namespace consimd::detail {
@@ -16,24 +16,73 @@ namespace {
 // The deviation of a residual per axis, where it is not estimated: the noise bound is three of them.
 constexpr double kSigmaPerBound = 1.0 / 3.0;
 
+// A close look at a pose that a glance leaves in doubt.
+double significance_if_doubtful(const Correspondences& correspondences, const WorkingPose& pose, double noise_bound) {
+  const Significance glance = significance(correspondences, pose, noise_bound, Scrutiny::glance);
+  if (glance.log10_false_poses < kBeyondDoubt) return glance.log10_false_poses;
+  return significance(correspondences, pose, noise_bound).log10_false_poses;
+}
+
 // The runner-up, brought into place like the best pose was; none if it is no other motion then.
 std::optional<RunnerUp> runner_up(const Correspondences& correspondences, const PoseTest& test,
                                   const BestPoses& poses) {
   if (poses.runner_up().support.count < 3) return std::nullopt;
   const PoseCandidate rival = locally_optimise(correspondences, poses.runner_up(), test.noise_bound);
   if (poses.same_motion_as_best(rival.pose)) return std::nullopt;
-  const Scrutiny scrutiny =
-      is_rival(rival.support.count, poses.best().support.count) ? Scrutiny::close : Scrutiny::glance;
+  const double log10_false_poses =
+      is_rival(rival.support.count, poses.best().support.count)
+          ? significance_if_doubtful(correspondences, rival.pose, test.noise_bound)
+          : significance(correspondences, rival.pose, test.noise_bound, Scrutiny::glance).log10_false_poses;
   return RunnerUp{to_caller_frame(from_working_pose(rival.pose), correspondences), rival.support.count,
-                  significance(correspondences, rival.pose, test.noise_bound, test.seed, scrutiny).log10_false_poses};
+                  log10_false_poses};
+}
+
+// log10 by which the best pose is more significant than another motion: what that reaches in the same data, structure
+// reaches that no null knows of.
+double lead(const Correspondences& correspondences, const PoseTest& test, const BestPoses& poses,
+            const RunnerUp& rival) {
+  const WorkingPose other = to_working_pose(to_working_frame(rival.T_target_source, correspondences));
+  return significance(correspondences, poses.best().pose, test.noise_bound).log10_false_poses -
+         std::min(0.0, significance(correspondences, other, test.noise_bound).log10_false_poses);
+}
+
+// Rows that agree in length with three of the supporters.
+std::vector<std::uint32_t> agreeing_rows(const Correspondences& correspondences, const FinalPose& final,
+                                         const PoseTest& test) {
+  const std::vector<std::uint32_t>& rows = final.inliers;
+  return rows_agreeing_with(correspondences, {rows.front(), rows[rows.size() / 2], rows.back()}, test.noise_bound);
+}
+
+// Brings the best pose and the runner-up into place and lets the more significant of them be the best pose, which
+// `log10_false_poses` is told of. Returns whether it was the runner-up.
+bool most_significant(const Correspondences& correspondences, double noise_bound, Refinement refinement,
+                      BestPoses& poses, double& log10_false_poses) {
+  if (refinement == Refinement::full) poses.promote(widely_optimise(correspondences, poses.best(), noise_bound));
+  log10_false_poses = significance_if_doubtful(correspondences, poses.best().pose, noise_bound);
+  if (log10_false_poses < kBeyondDoubt || poses.runner_up().support.count < 3) return false;
+  const PoseCandidate rival = widely_optimise(correspondences, poses.runner_up(), noise_bound);
+  if (poses.same_motion_as_best(rival.pose)) return false;
+  const double of_rival = significance(correspondences, rival.pose, noise_bound).log10_false_poses;
+  if (of_rival >= log10_false_poses) return false;
+  log10_false_poses = of_rival;
+  poses.promote(rival);
+  return true;
 }
 
 }  // namespace
 
-FinalPose finish(const Correspondences& correspondences, const PoseTest& test, const PoseCandidate& best,
-                 std::uint32_t seeds, Refinement refinement, const std::optional<Significance>& glance) {
+FinalPose finish(const Correspondences& correspondences, const PoseTest& test, BestPoses& poses, Refinement refinement,
+                 const std::optional<Significance>& glance) {
   const CorrespondenceView view = correspondences.view();
   const double tau = test.noise_bound;
+  FinalPose final;
+  double false_poses = 0.0;
+  if (glance) {
+    false_poses = glance->log10_false_poses;
+  } else {
+    final.was_runner_up = most_significant(correspondences, tau, refinement, poses, false_poses);
+  }
+  const PoseCandidate& best = poses.best();
   RefinedPose refined;
   if (refinement == Refinement::full) {
     refined = refine_pose(correspondences, best.pose, {tau});
@@ -42,17 +91,14 @@ FinalPose finish(const Correspondences& correspondences, const PoseTest& test, c
     refined.sigma = kSigmaPerBound * tau;
   }
   const WorkingPose pose = to_working_pose(refined.fit.pose);
-  FinalPose final{.pose = refined.fit.pose,
-                  .inliers = pose_inliers(view, pose, tau),
-                  .rounds = refined.rounds,
-                  .covariance = refined.covariance,
-                  .scale_deviation = refined.scale_deviation,
-                  .centre = refined.centre};
+  final.pose = refined.fit.pose;
+  final.inliers = pose_inliers(view, pose, tau);
+  final.rounds = refined.rounds;
+  final.covariance = refined.covariance;
+  final.scale_deviation = refined.scale_deviation;
+  final.centre = refined.centre;
   final.rotation_deviation = rotation_deviation(view, pose, tau, refined.sigma);
-  const Significance closed_form =
-      glance ? *glance : significance(correspondences, best.pose, test.noise_bound, test.seed);
-  final.log10_false_poses =
-      log10_false_poses(correspondences, test, best, seeds, closed_form) + std::log10(std::max(test.bounds_tried, 1U));
+  final.log10_false_poses = false_poses + std::log10(std::max(test.bounds_tried, 1U));
   return final;
 }
 
@@ -63,12 +109,21 @@ void conclude(const Correspondences& correspondences, const PoseTest& test, cons
                                : final.rotation_deviation > kLargestRotationDeviation) {
     result.status = Status::degenerate_geometry;
   } else if (final.log10_false_poses >= kSignificant ||
-             is_mirrored(correspondences, set, final.inliers.size(), test.noise_bound)) {
+             is_mirrored(correspondences, final.was_runner_up ? agreeing_rows(correspondences, final, test) : set,
+                         final.inliers.size(), test.noise_bound)) {
     result.status = Status::no_consensus;
   } else {
-    result.runner_up = runner_up(correspondences, test, poses);
-    const bool ambiguous = result.runner_up && is_rival(result.runner_up->support, poses.best().support.count) &&
-                           result.runner_up->log10_false_poses < kSignificant;
+    std::optional<RunnerUp> rival = runner_up(correspondences, test, poses);
+    const bool ambiguous =
+        rival && is_rival(rival->support, poses.best().support.count) && rival->log10_false_poses < kSignificantRival;
+    if (rival && !ambiguous && rival->log10_false_poses < 0.0) {
+      result.log10_false_poses = std::max(result.log10_false_poses, lead(correspondences, test, poses, *rival));
+    }
+    if (result.log10_false_poses >= kSignificant) {
+      result.status = Status::no_consensus;
+      return;
+    }
+    result.runner_up = std::move(rival);
     result.status = ambiguous ? Status::ambiguous : confident ? Status::success : Status::budget_exhausted;
     result.T_target_source = to_caller_frame(final.pose, correspondences);
     result.covariance = final.covariance;
@@ -76,7 +131,7 @@ void conclude(const Correspondences& correspondences, const PoseTest& test, cons
   }
 }
 
-void finish_and_conclude(const Correspondences& correspondences, const PoseTest& test, const BestPoses& poses,
+void finish_and_conclude(const Correspondences& correspondences, const PoseTest& test, BestPoses poses,
                          const std::vector<std::uint32_t>& set, bool confident, Registration& result,
                          Refinement refinement) {
   const std::size_t size = correspondences.size();
@@ -84,7 +139,7 @@ void finish_and_conclude(const Correspondences& correspondences, const PoseTest&
   FinalPose final;
   if (poses.best().support.count >= 3) {
     const StageClock clock(report.seconds);
-    final = finish(correspondences, test, poses.best(), static_cast<std::uint32_t>(size), refinement);
+    final = finish(correspondences, test, poses, refinement);
   }
   conclude(correspondences, test, poses, set, final, confident, result);
   report.output = result.inliers.size();

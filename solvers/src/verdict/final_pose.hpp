@@ -22,6 +22,7 @@ struct FinalPose {
   double rotation_deviation = 0.0;
   double log10_false_poses = 0.0;
   std::uint32_t rounds = 0;
+  bool was_runner_up = false;
   PoseCovariance covariance = PoseCovariance::Zero();
   double scale_deviation = 0.0;  ///< if the scale was unknown, relative to it
   Eigen::Matrix<double, 3, 1, Eigen::DontAlign> centre =
@@ -34,21 +35,20 @@ enum class Refinement : std::uint8_t {
   none,  ///< nothing: for solvers whose own estimate is asked for. No covariance then
 };
 
-/// Refines `best` and measures its significance: that of a pose which the default search found from `seeds` seeds.
-/// `glance`: what a glance said of it, if that left no doubt.
-FinalPose finish(const Correspondences& correspondences, const PoseTest& test, const PoseCandidate& best,
-                 std::uint32_t seeds, Refinement refinement = Refinement::full,
-                 const std::optional<Significance>& glance = std::nullopt);
+/// Refines the best pose and measures its significance. `glance`: what a glance said of it, if that left no doubt.
+/// Otherwise the runner-up is tested as well and becomes the best pose if it is more significant.
+FinalPose finish(const Correspondences& correspondences, const PoseTest& test, BestPoses& poses,
+                 Refinement refinement = Refinement::full, const std::optional<Significance>& glance = std::nullopt);
 
 /// Fills the status and all that belongs to the pose. `final`: of poses.best(), or as constructed if there is none.
-/// `set`: rows that agree in length, from which the best pose came. `confident`: the search did not end early.
+/// `set`: rows that agree in length, from which the best pose of the search came. `confident`: the search did not end
+/// early.
 void conclude(const Correspondences& correspondences, const PoseTest& test, const BestPoses& poses,
               const std::vector<std::uint32_t>& set, const FinalPose& final, bool confident, Registration& result);
 
-/// Both for searches other than the default: tested as if that had found the pose from all of its seeds, which finds
-/// poses of chance at least as well. Adds the stage "refinement" to the report, or "significance" if nothing is
+/// Both for searches other than the default. Adds the stage "refinement" to the report, or "significance" if nothing is
 /// refined. At least three correspondences.
-void finish_and_conclude(const Correspondences& correspondences, const PoseTest& test, const BestPoses& poses,
+void finish_and_conclude(const Correspondences& correspondences, const PoseTest& test, BestPoses poses,
                          const std::vector<std::uint32_t>& set, bool confident, Registration& result,
                          Refinement refinement = Refinement::full);
 

@@ -14,7 +14,10 @@
 namespace consimd::detail {
 namespace {
 
-constexpr std::size_t kMostRowsShiftedSingly = 8 * kBlock;  // up to here correspondences are shifted row by row
+constexpr double kFew = 8.0;       // hits that are taken as they are
+constexpr double kTelling = 64.0;  // hits that tell a chance and how it grows
+constexpr int kDoublings = 5;
+constexpr std::size_t kSmall = 8 * kBlock;  // up to here correspondences are shifted row by row
 
 // Of `distinct` values some were drawn, few of them maybe many times.
 double share_below(const std::vector<double>& values, double distinct, double bound) {
@@ -25,23 +28,25 @@ double share_below(const std::vector<double>& values, double distinct, double bo
   return chance(hits * trials / drawn, trials);
 }
 
-}  // namespace
-
-double pose_chance(const CorrespondenceView& view, const WorkingPose& pose, double bound, std::uint32_t shifts) {
-  const std::size_t size = view.size();
+struct ShiftHits {
   double hits = 0.0;
   double trials = 0.0;
-  if (size <= kMostRowsShiftedSingly) {
+};
+
+ShiftHits shift_hits(const CorrespondenceView& view, const WorkingPose& pose, double bound, std::uint32_t shifts) {
+  const std::size_t size = view.size();
+  ShiftHits result;
+  if (size <= kSmall) {
     const double limit = bound * view.scale();
     const std::size_t step = std::max<std::size_t>(1, (size - 1) / shifts);
     for (std::size_t shift = 1; shift < size; shift += step) {
       for (std::size_t i = 0; i < size; ++i) {
-        hits +=
+        result.hits +=
             distance(moved(pose, source_point(view, i)), target_point(view, (i + shift) % size)) < limit ? 1.0 : 0.0;
       }
-      trials += static_cast<double>(size);
+      result.trials += static_cast<double>(size);
     }
-    return chance(hits, trials);
+    return result;
   }
   const auto blocks = static_cast<std::uint32_t>((size - 1) / kBlock);
   const std::uint32_t used = std::min(shifts, blocks);
@@ -50,10 +55,30 @@ double pose_chance(const CorrespondenceView& view, const WorkingPose& pose, doub
   for (std::uint32_t s = 0; s < used; ++s) offsets[s] = 1 + s * blocks / used;
   row_blocks::mismatched_counts(view, pose, bound, offsets, counts);
   for (std::uint32_t s = 0; s < used; ++s) {
-    hits += counts[s];
-    trials += static_cast<double>(mismatched_pairs(view, offsets[s]));
+    result.hits += counts[s];
+    result.trials += static_cast<double>(mismatched_pairs(view, offsets[s]));
   }
-  return chance(hits, trials);
+  return result;
+}
+
+}  // namespace
+
+double pose_chance(const CorrespondenceView& view, const WorkingPose& pose, double bound, std::uint32_t shifts) {
+  const ShiftHits within = shift_hits(view, pose, bound, shifts);
+  if (within.hits >= kFew || view.size() <= kSmall) return chance(within.hits, within.trials);
+  // Hits within twice the bound, and so on, until there are enough; none come nearer than those of the last step alone.
+  double factor = 1.0;
+  double former = within.hits;
+  for (int doubling = 0; doubling < kDoublings; ++doubling) {
+    factor *= 2.0;
+    const ShiftHits wider = shift_hits(view, pose, factor * bound, shifts);
+    if (wider.hits >= kTelling || doubling + 1 == kDoublings) {
+      const double dimension = std::clamp(std::log2((wider.hits + 1.0) / (former + 1.0)), 1.0, 3.0);
+      return std::max(within.hits / within.trials, (wider.hits + 1.0) / wider.trials * std::pow(factor, -dimension));
+    }
+    former = wider.hits;
+  }
+  return chance(within.hits, within.trials);
 }
 
 LengthChance::LengthChance(const CorrespondenceView& view, std::span<const std::uint32_t> explained,

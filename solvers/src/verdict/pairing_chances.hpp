@@ -14,7 +14,9 @@ namespace consimd::detail {
 inline double chance(double hits, double trials) { return (hits + 1.0) / (trials + 2.0); }
 
 /// Chance that the pose takes a source within `bound` (caller's unit) of the target of any other correspondence, from
-/// `shifts` pairings of all of them, or fewer where there are not as many.
+/// `shifts` pairings of all of them, or fewer where there are not as many. Where many
+/// correspondences give hardly any, it is told from how their number grows with the bound further out; among a few all
+/// pairs are looked at, and hardly any may be chance.
 double pose_chance(const CorrespondenceView& view, const WorkingPose& pose, double bound, std::uint32_t shifts);
 
 /// Chance that two correspondences agree in length, from as many `pairs` drawn.

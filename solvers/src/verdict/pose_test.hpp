@@ -2,20 +2,19 @@
 #pragma once
 
 #include <cstdint>
-#include <functional>
-
-#include <consimd/kernels/correspondences.hpp>
 
 namespace consimd::detail {
 
-/// The best score of a pose that a search finds from at most `seeds` seeds.
-using ScoreSearch = std::function<double(const Correspondences&, std::uint64_t seed, std::uint32_t seeds)>;
+/// log10 of the number of false poses below which a support is significant.
+inline constexpr double kSignificant = -3.0;
+/// From here on a glance is enough.
+inline constexpr double kBeyondDoubt = -4.5;
+/// The same of another motion that makes the best pose ambiguous: a coin toss is no reason for doubt.
+inline constexpr double kSignificantRival = kSignificant - 1.0;
 
 struct PoseTest {
-  double noise_bound = 0.0;  ///< caller's unit
-  std::uint64_t seed = 1;
+  double noise_bound = 0.0;        ///< caller's unit
   std::uint32_t bounds_tried = 1;  ///< that `noise_bound` was chosen from by looking at the data
-  ScoreSearch search;              ///< repeated on random pairings where the closed form leaves doubt
 };
 
 }  // namespace consimd::detail

@@ -11,53 +11,54 @@
 #include "call/option_checks.hpp"
 #include "support/points.hpp"
 #include "support/pose_candidate.hpp"
-#include "support/row_blocks.hpp"
+#include "verdict/kept_structure.hpp"
 #include "verdict/pairing_chances.hpp"
+#include "verdict/pose_test.hpp"
 
 namespace consimd {
 namespace {
 
-constexpr std::array kBounds{1.0, 0.5, 0.7, 0.35};  // in noise bounds
-// ln of false poses at which no other bound is tried, and at which a glance is enough.
-constexpr double kLnNoOtherBoundTried = -20.0;
-constexpr double kLnGlanceSuffices = -10.4;
+using detail::kTestedBounds;
 
-// How closely is looked: a glance settles most cases.
-struct Effort {
-  std::size_t bounds;      // of kBounds
-  std::size_t supporters;  // that are told apart
-  std::uint32_t pairs;     // whose lengths are compared
-  std::uint32_t shifts;    // mismatched pairings of all correspondences
-};
-constexpr Effort kGlance{2, 64, 256, 8};
-constexpr Effort kClose{kBounds.size(), 192, 1024, 32};
+// Supporters closer than this, in noise bounds, count once; where outliers move as one over longer distances, those.
+constexpr double kLeastRadius = 1.75;
+constexpr double kLargestRadius = 3.0;
+// Residuals of near misses: what is closer than that to a supporter tells of the same place, in noise bounds.
+constexpr double kNearMisses = 4.0;
 
-// Supporters closer than this may be one cluster of sources that matches one of targets, in bounds.
-constexpr double kClusterRadius = 1.75;
+// Mismatched pairings of all correspondences, and pairs whose lengths are compared.
+constexpr std::uint32_t kShifts = 32;
+constexpr std::uint32_t kPairs = 4096;
+constexpr std::uint32_t kStratumPairs = 1024;
+constexpr std::uint32_t kGlanceShifts = 8;
+constexpr std::uint32_t kGlancePairs = 256;
+// Draws are the same whatever the caller's seed is: a pose has one significance.
+constexpr std::uint64_t kFixedSeed = 0;
+// Structure that gives so many hits by chance alone, once in so many times, is none.
+constexpr double kNoStructure = 1e-3;
+// A glance takes structure to give a pose at most so many times the support that random pairing does, and lengths that
+// agree so many times as often.
+constexpr double kStrongestStructure = 100.0;
+constexpr double kStrongestLikeness = 2.0;
+// What a sample tells of structure, times this, is more than what all rows do.
+constexpr double kSafety = 4.0;
+// ln of false poses from which on a first glance is enough.
+constexpr double kEnough = detail::kBeyondDoubt * std::numbers::ln10;
 
-// Supporters whose sources are further apart than a radius.
-struct Independent {
-  double count = 0.0;
-  double share = 1.0;   // of the supporters looked at
-  double looked = 1.0;  // share of the supporters that were
-};
-
-Independent independent_supporters(const CorrespondenceView& view, std::span<const std::uint32_t> supporters,
-                                   double radius, std::size_t most) {
-  if (supporters.empty()) return {};
+std::vector<std::uint32_t> spread_rows(const CorrespondenceView& view, std::span<const std::uint32_t> supporters,
+                                       double radius) {
   const double limit = radius * view.scale() * radius * view.scale();
-  const std::size_t looked = std::min(supporters.size(), most);
   std::vector<detail::Point> kept;
-  kept.reserve(looked);
-  for (std::size_t s = 0; s < looked; ++s) {
-    const detail::Point p = detail::source_point(view, supporters[s * supporters.size() / looked]);
+  std::vector<std::uint32_t> rows;
+  for (const std::uint32_t row : supporters) {
+    const detail::Point p = detail::source_point(view, row);
     const bool repeats =
         std::ranges::any_of(kept, [&](const detail::Point& q) { return squared_distance(p, q) < limit; });
-    if (!repeats) kept.push_back(p);
+    if (repeats) continue;
+    kept.push_back(p);
+    rows.push_back(row);
   }
-  const auto count = static_cast<double>(kept.size());
-  return {count, count / static_cast<double>(looked),
-          static_cast<double>(looked) / static_cast<double>(supporters.size())};
+  return rows;
 }
 
 // ln P[Binomial(n, p) >= k], k above the mean, by the exponential bound of Chernoff with the factor of Bahadur and Rao.
@@ -72,61 +73,128 @@ double log_binomial_tail(double n, double k, double p) {
   return std::min(0.0, -n * divergence - 0.5 * std::log(std::max(spread, 1.0)) - std::log(1.0 - ratio));
 }
 
-// ln of the number of triples of n, which need not be whole.
+// ln of the number of triples of n.
 double log_triples(double n) { return std::log(std::max(n * (n - 1.0) * (n - 2.0) / 6.0, 1.0)); }
 
-// Chance of support that the correspondences just outside the bound tell of: their number in the shell from one to two
-// bounds over its volume in balls of one.
-double near_miss_chance(const CorrespondenceView& view, const WorkingPose& pose, double bound, std::size_t supporters) {
-  const double within_two = detail::row_blocks::alignment_count(view, pose, 2.0 * bound);
-  const double shell = within_two - static_cast<double>(supporters);
-  return (shell + 1.0) / (7.0 * static_cast<double>(view.size()));
-}
+// Supporters at one of the tested bounds.
+struct Support {
+  double count = 0.0;
+  double spread = 0.0;  // of them, further apart than the radius
+};
+using Supports = std::array<Support, kTestedBounds.size()>;
 
-// ln of the number of false poses that `supporters` leave.
-double log_false_poses(double size, const Independent& supporters, double length_chance, double supporter_chance) {
-  const double trials = supporters.looked * size - 3.0;
-  const double tail = trials > 0.0 ? log_binomial_tail(trials, supporters.count - 3.0, supporter_chance) : 0.0;
-  return log_triples(size) - log_triples(supporters.count) + 3.0 * std::log(length_chance) + tail;
-}
-
-// ln of the number of false poses, at the most telling bound.
-double least_log_false_poses(const CorrespondenceView& view, const WorkingPose& pose, double noise_bound,
-                             std::span<const std::uint32_t> explained, std::uint64_t seed, const Effort& effort) {
-  const auto size = static_cast<double>(view.size());
-  const detail::LengthChance length_chance(view, explained, effort.pairs, seed);
-  double least = log_triples(size);
-  for (const double share : std::span(kBounds).first(effort.bounds)) {
-    const double bound = share * noise_bound;
-    const std::vector<std::uint32_t> rows =
-        share == 1.0 ? std::vector(explained.begin(), explained.end()) : detail::pose_inliers(view, pose, bound);
-    const Independent supporters = independent_supporters(view, rows, kClusterRadius * bound, effort.supporters);
-    if (supporters.count < 3.0) continue;
-    const double by_any = detail::pose_chance(view, pose, bound, effort.shifts);
-    const double by_neighbour = supporters.share * near_miss_chance(view, pose, bound, rows.size());
-    least =
-        std::min(least, log_false_poses(size, supporters, length_chance(2.0 * bound), std::max(by_any, by_neighbour)));
-    if (least < kLnNoOtherBoundTried) break;
+Supports supports(const CorrespondenceView& view, const WorkingPose& pose, double noise_bound, double radius) {
+  Supports result;
+  for (std::size_t b = 0; b < kTestedBounds.size(); ++b) {
+    const std::vector<std::uint32_t> rows = detail::pose_inliers(view, pose, kTestedBounds[b] * noise_bound);
+    result[b] = {static_cast<double>(rows.size()), static_cast<double>(spread_rows(view, rows, radius).size())};
   }
-  return least;
+  return result;
+}
+
+// Chances at each of the tested bounds.
+struct Chances {
+  std::array<double, kTestedBounds.size()> support{};  // that a pose takes a source to the target of another row
+  std::array<double, kTestedBounds.size()> length{};   // that two correspondences agree in length
+};
+
+// ln of the number of false poses that the supporters at the most telling bound leave.
+double log_false_poses(double size, const Supports& supports, const Chances& chances) {
+  double least = log_triples(size);
+  for (std::size_t b = 0; b < kTestedBounds.size(); ++b) {
+    const auto& [count, spread] = supports[b];
+    if (spread < 3.0 || size <= 3.0) continue;
+    const double chance = chances.support[b] * spread / count;
+    least = std::min(least, log_triples(size) - log_triples(count) + 3.0 * std::log(chances.length[b]) +
+                                log_binomial_tail(size - 3.0, spread - 3.0, chance));
+  }
+  return least + std::log(static_cast<double>(kTestedBounds.size()));
+}
+
+// What pairing at random gives. `pairs`: whose lengths are compared; `shifts`: pairings of all correspondences.
+Chances random_chances(const CorrespondenceView& view, const WorkingPose& pose, double noise_bound, std::uint32_t pairs,
+                       std::uint32_t shifts) {
+  const std::vector<std::uint32_t> explained = detail::pose_inliers(view, pose, noise_bound);
+  const detail::LengthChance length_chance(view, explained, pairs, kFixedSeed);
+  Chances result;
+  for (std::size_t b = 0; b < kTestedBounds.size(); ++b) {
+    const double bound = kTestedBounds[b] * noise_bound;
+    result.support[b] = detail::pose_chance(view, pose, bound, shifts);
+    result.length[b] = length_chance(2.0 * bound);
+  }
+  return result;
+}
+
+// The chance that hits among trials tell of, or that of random pairing where they do not differ from it.
+double structured(double at_random, double hits, double trials) {
+  if (log_binomial_tail(trials, hits, at_random) > std::log(kNoStructure)) return at_random;
+  return std::max(at_random, detail::chance(hits, trials));
+}
+
+// What pairing within strata gives.
+Chances kept_chances(const CorrespondenceView& view, const WorkingPose& pose, double noise_bound, double apart,
+                     const detail::Strata& strata, const Chances& at_random) {
+  const detail::PairingHits support = strata.support(view, pose, noise_bound, apart);
+  const detail::PairingHits length = strata.lengths(view, noise_bound, kStratumPairs);
+  Chances result;
+  for (std::size_t b = 0; b < kTestedBounds.size(); ++b) {
+    result.support[b] = structured(at_random.support[b], support.hits[b], support.trials);
+    result.length[b] = structured(at_random.length[b], length.hits[b], length.trials);
+  }
+  return result;
+}
+
+double glance(const CorrespondenceView& view, const WorkingPose& pose, double noise_bound) {
+  Chances chances = random_chances(view, pose, noise_bound, kGlancePairs, kGlanceShifts);
+  for (double& chance : chances.support) chance = std::min(1.0, kStrongestStructure * chance);
+  for (double& chance : chances.length) chance = std::min(1.0, kStrongestLikeness * chance);
+  const Supports found = supports(view, pose, noise_bound, kLargestRadius * noise_bound);
+  return log_false_poses(static_cast<double>(view.size()), found, chances);
+}
+
+// A second glance, at structure in a sample of the rows.
+double second_glance(const Correspondences& correspondences, const WorkingPose& pose, double noise_bound) {
+  const CorrespondenceView view = correspondences.view();
+  const auto size = static_cast<double>(view.size());
+  const Supports found = supports(view, pose, noise_bound, kLargestRadius * noise_bound);
+  Chances chances = random_chances(view, pose, noise_bound, kGlancePairs, kGlanceShifts);
+  for (double& chance : chances.length) chance = std::min(1.0, kStrongestLikeness * chance);
+  for (const detail::Strata& strata : detail::sampled_strata(correspondences)) {
+    const detail::PairingHits kept = strata.support(view, pose, noise_bound, kNearMisses * noise_bound);
+    for (std::size_t b = 0; b < kTestedBounds.size(); ++b) {
+      chances.support[b] = std::max(chances.support[b], kSafety * detail::chance(kept.hits[b], kept.trials));
+    }
+  }
+  for (double& chance : chances.support) chance = std::min(1.0, chance);
+  return log_false_poses(size, found, chances);
+}
+
+double close_look(const Correspondences& correspondences, const WorkingPose& pose, double noise_bound) {
+  const CorrespondenceView view = correspondences.view();
+  const auto size = static_cast<double>(view.size());
+  const double radius =
+      detail::coherence_length(view, pose, noise_bound, kLeastRadius * noise_bound, kLargestRadius * noise_bound);
+  const Supports found = supports(view, pose, noise_bound, radius);
+  const Chances at_random = random_chances(view, pose, noise_bound, kPairs, kShifts);
+  double most = log_false_poses(size, found, at_random);
+  for (const detail::Strata& strata : detail::kept_strata(correspondences)) {
+    const Chances kept = kept_chances(view, pose, noise_bound, kNearMisses * noise_bound, strata, at_random);
+    most = std::max(most, log_false_poses(size, found, kept));
+  }
+  return most;
 }
 
 }  // namespace
 
 Significance significance(const Correspondences& correspondences, const WorkingPose& pose, double noise_bound,
-                          std::uint64_t seed, Scrutiny scrutiny) {
+                          Scrutiny scrutiny) {
   detail::require_length("noise_bound", noise_bound);
   const CorrespondenceView view = correspondences.view();
-  Significance result;
-  if (view.size() < 3) return result;
-  const std::vector<std::uint32_t> explained = detail::pose_inliers(view, pose, noise_bound);
-  double least = least_log_false_poses(view, pose, noise_bound, explained, seed, kGlance);
-  if (least > kLnGlanceSuffices && scrutiny == Scrutiny::close) {
-    least = least_log_false_poses(view, pose, noise_bound, explained, seed, kClose);
-  }
-  result.independent_share = independent_supporters(view, explained, noise_bound, kGlance.supporters).share;
-  result.log10_false_poses = (least + std::log(static_cast<double>(kBounds.size()))) / std::numbers::ln10;
-  return result;
+  if (view.size() < 3) return {};
+  if (scrutiny == Scrutiny::close) return {close_look(correspondences, pose, noise_bound) / std::numbers::ln10};
+  double false_poses = glance(view, pose, noise_bound);
+  if (false_poses > kEnough) false_poses = std::min(false_poses, second_glance(correspondences, pose, noise_bound));
+  return {false_poses / std::numbers::ln10};
 }
 
 }  // namespace consimd
