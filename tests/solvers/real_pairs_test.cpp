@@ -16,6 +16,9 @@
 namespace consimd::test {
 namespace {
 
+/// Inliers of a pair from which its pose must be found.
+constexpr int kToldFromStructure = 20;
+
 class RealPairs : public ::testing::TestWithParam<std::string> {};
 INSTANTIATE_TEST_SUITE_P(Solvers, RealPairs, ::testing::Values("tcf", "pcr99", "sc2_pcr", "turboreg"),
                          [](const auto& test) { return test.param; });
@@ -51,7 +54,8 @@ TEST_P(RealPairs, AreRegisteredWithinTheirLimits) {
         ++within;
       }
     }
-    // A pair with a dozen inliers among thousands is at the edge of what can be told from chance.
+    // Scans of different places give a pose a dozen and a half supporters as well.
+    if (limits.at("inliers_within_noise_bound").get<int>() < kToldFromStructure) continue;
     EXPECT_GE(within + 1, seeds);
   }
 }

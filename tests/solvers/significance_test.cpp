@@ -101,8 +101,7 @@ TEST(Significance, FewerThanThreeCorrespondencesHaveNone) {
     const Problem problem = synth::noise_study_problem({.correspondences = n, .outlier_ratio = 0.0, .sigma = 0.0});
     EXPECT_GE(significance_of_truth(problem, 1.0), 0.0);
   }
-  EXPECT_GE(significance(Correspondences(), to_working_pose(RigidTransform::Identity()), 1.0).log10_false_poses,
-            0.0);
+  EXPECT_GE(significance(Correspondences(), to_working_pose(RigidTransform::Identity()), 1.0).log10_false_poses, 0.0);
 }
 
 TEST(Significance, RejectsBadBounds) {

@@ -9,11 +9,6 @@
 namespace consimd {
 namespace {
 
-// Other solvers' poses are tested as if the default TCF had found them.
-static_assert(TcfOptions().confidence == detail::ConsensusSearchOptions().confidence);
-static_assert(TcfOptions().max_seeds == detail::ConsensusSearchOptions().max_seeds);
-static_assert(TcfOptions().matrix_budget_bytes == detail::ConsensusSearchOptions().matrix_budget_bytes);
-
 void solve(const Correspondences& correspondences, const TcfOptions& options, const detail::TcfTuning& tuning,
            Registration& result) {
   const std::size_t size = correspondences.size();

@@ -38,12 +38,15 @@ std::optional<RunnerUp> runner_up(const Correspondences& correspondences, const 
 }
 
 // log10 by which the best pose is more significant than another motion: what that reaches in the same data, structure
-// reaches that no null knows of.
+// reaches that no stratum knows of. A motion whose supporters are mostly those of the best pose tells nothing.
 double lead(const Correspondences& correspondences, const PoseTest& test, const BestPoses& poses,
             const RunnerUp& rival) {
   const WorkingPose other = to_working_pose(to_working_frame(rival.T_target_source, correspondences));
-  return significance(correspondences, poses.best().pose, test.noise_bound).log10_false_poses -
-         std::min(0.0, significance(correspondences, other, test.noise_bound).log10_false_poses);
+  const std::vector<std::uint32_t> rows = pose_inliers(correspondences.view(), other, test.noise_bound);
+  const auto shared = std::ranges::count_if(rows, [&](std::uint32_t row) { return poses.best_explains(row); });
+  const double of_best = significance(correspondences, poses.best().pose, test.noise_bound).log10_false_poses;
+  if (2 * static_cast<std::size_t>(shared) > rows.size()) return of_best;
+  return of_best - std::min(0.0, significance(correspondences, other, test.noise_bound).log10_false_poses);
 }
 
 // Rows that agree in length with three of the supporters.
