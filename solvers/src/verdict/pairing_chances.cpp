@@ -63,9 +63,11 @@ ShiftHits shift_hits(const CorrespondenceView& view, const WorkingPose& pose, do
 
 }  // namespace
 
-double pose_chance(const CorrespondenceView& view, const WorkingPose& pose, double bound, std::uint32_t shifts) {
+double pose_chance(const CorrespondenceView& view, const WorkingPose& pose, double bound, std::uint32_t shifts,
+                   RareHits rare) {
   const ShiftHits within = shift_hits(view, pose, bound, shifts);
-  if (within.hits >= kFew || view.size() <= kSmall) return chance(within.hits, within.trials);
+  if (rare == RareHits::laplace || within.hits >= kFew || view.size() <= kSmall)
+    return chance(within.hits, within.trials);
   // Hits within twice the bound, and so on, until there are enough; none come nearer than those of the last step alone.
   double factor = 1.0;
   double former = within.hits;

@@ -13,11 +13,17 @@ namespace consimd::detail {
 /// Laplace's estimate of a chance that gave `hits` in `trials`.
 inline double chance(double hits, double trials) { return (hits + 1.0) / (trials + 2.0); }
 
+/// How a chance is told where pairings give hardly any hits.
+enum class RareHits : std::uint8_t {
+  laplace,       ///< as if there had been one more: never too little
+  extrapolated,  ///< from how their number grows with the bound further out; among a few correspondences, all pairs of
+                 ///< which are looked at, as above
+};
+
 /// Chance that the pose takes a source within `bound` (caller's unit) of the target of any other correspondence, from
-/// `shifts` pairings of all of them, or fewer where there are not as many. Where many
-/// correspondences give hardly any, it is told from how their number grows with the bound further out; among a few all
-/// pairs are looked at, and hardly any may be chance.
-double pose_chance(const CorrespondenceView& view, const WorkingPose& pose, double bound, std::uint32_t shifts);
+/// `shifts` pairings of all of them, or fewer where there are not as many.
+double pose_chance(const CorrespondenceView& view, const WorkingPose& pose, double bound, std::uint32_t shifts,
+                   RareHits rare);
 
 /// Chance that two correspondences agree in length, from as many `pairs` drawn.
 class LengthChance {

@@ -113,13 +113,13 @@ double log_false_poses(double size, const Supports& supports, const Chances& cha
 
 // What pairing at random gives. `pairs`: whose lengths are compared; `shifts`: pairings of all correspondences.
 Chances random_chances(const CorrespondenceView& view, const WorkingPose& pose, double noise_bound, std::uint32_t pairs,
-                       std::uint32_t shifts) {
+                       std::uint32_t shifts, detail::RareHits rare) {
   const std::vector<std::uint32_t> explained = detail::pose_inliers(view, pose, noise_bound);
   const detail::LengthChance length_chance(view, explained, pairs, kFixedSeed);
   Chances result;
   for (std::size_t b = 0; b < kTestedBounds.size(); ++b) {
     const double bound = kTestedBounds[b] * noise_bound;
-    result.support[b] = detail::pose_chance(view, pose, bound, shifts);
+    result.support[b] = detail::pose_chance(view, pose, bound, shifts, rare);
     result.length[b] = length_chance(2.0 * bound);
   }
   return result;
@@ -145,7 +145,7 @@ Chances kept_chances(const CorrespondenceView& view, const WorkingPose& pose, do
 }
 
 double glance(const CorrespondenceView& view, const WorkingPose& pose, double noise_bound) {
-  Chances chances = random_chances(view, pose, noise_bound, kGlancePairs, kGlanceShifts);
+  Chances chances = random_chances(view, pose, noise_bound, kGlancePairs, kGlanceShifts, detail::RareHits::laplace);
   for (double& chance : chances.support) chance = std::min(1.0, kStrongestStructure * chance);
   for (double& chance : chances.length) chance = std::min(1.0, kStrongestLikeness * chance);
   const Supports found = supports(view, pose, noise_bound, kLargestRadius * noise_bound);
@@ -157,7 +157,7 @@ double second_glance(const Correspondences& correspondences, const WorkingPose& 
   const CorrespondenceView view = correspondences.view();
   const auto size = static_cast<double>(view.size());
   const Supports found = supports(view, pose, noise_bound, kLargestRadius * noise_bound);
-  Chances chances = random_chances(view, pose, noise_bound, kGlancePairs, kGlanceShifts);
+  Chances chances = random_chances(view, pose, noise_bound, kGlancePairs, kGlanceShifts, detail::RareHits::laplace);
   for (double& chance : chances.length) chance = std::min(1.0, kStrongestLikeness * chance);
   for (const detail::Strata& strata : detail::sampled_strata(correspondences)) {
     const detail::PairingHits kept = strata.support(view, pose, noise_bound, kNearMisses * noise_bound);
@@ -175,7 +175,7 @@ double close_look(const Correspondences& correspondences, const WorkingPose& pos
   const double radius =
       detail::coherence_length(view, pose, noise_bound, kLeastRadius * noise_bound, kLargestRadius * noise_bound);
   const Supports found = supports(view, pose, noise_bound, radius);
-  const Chances at_random = random_chances(view, pose, noise_bound, kPairs, kShifts);
+  const Chances at_random = random_chances(view, pose, noise_bound, kPairs, kShifts, detail::RareHits::extrapolated);
   double most = log_false_poses(size, found, at_random);
   for (const detail::Strata& strata : detail::kept_strata(correspondences)) {
     const Chances kept = kept_chances(view, pose, noise_bound, kNearMisses * noise_bound, strata, at_random);
