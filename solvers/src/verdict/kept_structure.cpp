@@ -16,27 +16,36 @@
 namespace consimd::detail {
 namespace {
 
-// Which of the coordinates a stratum's rows share: along the axes of least, middle and greatest spread, and the
-// distances from the origin and from the centroid.
-enum Coordinate : std::uint8_t { kLeast, kMiddle, kGreatest, kRange, kFromCentroid, kNone };
-using Kept = std::array<Coordinate, 3>;
-constexpr std::array<Kept, 11> kKept{{{kFromCentroid, kNone, kNone},
-                                      {kFromCentroid, kLeast, kNone},
-                                      {kLeast, kNone, kNone},
-                                      {kMiddle, kNone, kNone},
-                                      {kGreatest, kNone, kNone},
-                                      {kRange, kNone, kNone},
-                                      {kLeast, kMiddle, kNone},
-                                      {kRange, kLeast, kNone},
-                                      {kRange, kMiddle, kNone},
-                                      {kRange, kGreatest, kNone},
-                                      {kLeast, kMiddle, kGreatest}}};
+// What a stratum's rows may share: positions along the axes of least, middle and greatest spread, distances from the
+// origin and from the centroid.
+enum class Coordinate : std::uint8_t { least, middle, greatest, range, from_centroid };
+constexpr std::size_t kCoordinates = 5;
+constexpr std::size_t position(Coordinate c) { return static_cast<std::size_t>(c); }
+
+// Some of them.
+struct Kept {
+  std::array<Coordinate, 3> coordinates;
+  std::size_t count;
+};
+constexpr Kept kept(Coordinate a) { return {{a}, 1}; }
+constexpr Kept kept(Coordinate a, Coordinate b) { return {{a, b}, 2}; }
+constexpr Kept kept(Coordinate a, Coordinate b, Coordinate c) { return {{a, b, c}, 3}; }
+
+constexpr std::array kKept{kept(Coordinate::from_centroid),
+                           kept(Coordinate::from_centroid, Coordinate::least),
+                           kept(Coordinate::least),
+                           kept(Coordinate::middle),
+                           kept(Coordinate::greatest),
+                           kept(Coordinate::range),
+                           kept(Coordinate::least, Coordinate::middle),
+                           kept(Coordinate::range, Coordinate::least),
+                           kept(Coordinate::range, Coordinate::middle),
+                           kept(Coordinate::range, Coordinate::greatest),
+                           kept(Coordinate::least, Coordinate::middle, Coordinate::greatest)};
 // At a second glance: all kinds that synthetic structure comes in, of a sample of the rows.
-constexpr std::array<Kept, 5> kTelling{{{kLeast, kNone, kNone},
-                                        {kRange, kNone, kNone},
-                                        {kFromCentroid, kNone, kNone},
-                                        {kLeast, kMiddle, kNone},
-                                        {kLeast, kMiddle, kGreatest}}};
+constexpr std::array kTelling{kept(Coordinate::least), kept(Coordinate::range), kept(Coordinate::from_centroid),
+                              kept(Coordinate::least, Coordinate::middle),
+                              kept(Coordinate::least, Coordinate::middle, Coordinate::greatest)};
 constexpr std::size_t kSampledRows = 512;
 constexpr std::size_t kSampledStratumRows = 16;
 
@@ -251,24 +260,22 @@ std::vector<Strata> strata_by(const Correspondences& correspondences, std::span<
   const Eigen::Matrix3d axes = Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(scatter).eigenvectors().transpose();
   const auto& centroid = correspondences.source_centroid();
   const Eigen::Vector3d origin = -view.scale() * Eigen::Vector3d(centroid[0], centroid[1], centroid[2]);
-  std::array<std::vector<float>, 5> coordinates;
+  std::array<std::vector<float>, kCoordinates> coordinates;
   for (const std::uint32_t row : rows) {
     const Point p = source_point(view, row);
     const Eigen::Vector3d source(p.x, p.y, p.z);
     const Eigen::Vector3d along = axes * source;
     for (std::size_t c = 0; c < 3; ++c) coordinates[c].push_back(static_cast<float>(along[static_cast<long>(c)]));
-    coordinates[kRange].push_back(static_cast<float>((source - origin).norm()));
-    coordinates[kFromCentroid].push_back(static_cast<float>(source.norm()));
+    coordinates[position(Coordinate::range)].push_back(static_cast<float>((source - origin).norm()));
+    coordinates[position(Coordinate::from_centroid)].push_back(static_cast<float>(source.norm()));
   }
-  std::array<Axis, 5> sorted;
+  std::array<Axis, kCoordinates> sorted;
   std::ranges::transform(coordinates, sorted.begin(), axis_of);
   std::vector<Strata> result;
   result.reserve(all_kept.size());
-  for (const Kept& kept : all_kept) {
+  for (const auto& [shared, count] : all_kept) {
     std::vector<const Axis*> along;
-    for (const Coordinate c : kept) {
-      if (c != kNone) along.push_back(&sorted[c]);
-    }
+    for (const Coordinate c : std::span(shared).first(count)) along.push_back(&sorted[position(c)]);
     result.push_back(strata_along(along, rows, largest));
   }
   return result;
