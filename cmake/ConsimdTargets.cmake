@@ -8,6 +8,13 @@ function(consimd_configure target)
     $<$<BOOL:${CONSIMD_WERROR}>:-Werror>)
 endfunction()
 
+# consimd_precompile(TARGET [<HEADER>...]): what most sources of a target include, read once. Eigen and oneTBB are half of the time
+# that a source takes to compile. Clang-tidy reads every source without it, so that no include can be forgotten.
+function(consimd_precompile target)
+  target_precompile_headers(${target} PRIVATE
+    <Eigen/Geometry> <algorithm> <chrono> <cmath> <functional> <optional> <span> <sstream> <string> <variant> <vector> ${ARGN})
+endfunction()
+
 # Whether static libraries can be kept apart from the program's copies of inline functions; see isolate_archive.cmake.
 include(CheckLinkerFlag)
 check_linker_flag(CXX "-r;-nostdlib;-Wl,--force-group-allocation" CONSIMD_LINKER_CAN_ISOLATE)

@@ -43,7 +43,7 @@ tidy_database() {
   else
     say "python/src is left out until ./dev python has run"
   fi
-  (cd "$root" && cmake --preset release -B build/tidy "${module[@]}" >/dev/null) || fail "cannot configure build/tidy"
+  (cd "$root" && cmake --preset release -B build/tidy -DCMAKE_DISABLE_PRECOMPILE_HEADERS=ON "${module[@]}" >/dev/null) || fail "cannot configure build/tidy"
   sed -i 's/ -fno-gnu-unique//' "$root/build/tidy/compile_commands.json"  # which clang does not know
 }
 
