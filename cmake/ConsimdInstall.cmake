@@ -44,8 +44,6 @@ if(TARGET consimd_studies)
 endif()
 
 if(TARGET consimd_cli)
-  file(RELATIVE_PATH bin_to_lib ${CMAKE_INSTALL_FULL_BINDIR} ${CMAKE_INSTALL_FULL_LIBDIR})
-  set_target_properties(consimd_cli PROPERTIES INSTALL_RPATH "$ORIGIN/${bin_to_lib}")
   install(TARGETS consimd_cli)
   install(DIRECTORY ${PROJECT_SOURCE_DIR}/studies/src/figures/ DESTINATION ${CMAKE_INSTALL_DATADIR}/consimd
     FILES_MATCHING PATTERN "*.py")
