@@ -25,10 +25,15 @@ install_library() {
   quietly cmake --install "$build"
 }
 
-# consume NAME CMAKE_ARGUMENT...: builds the consumer project in $work-NAME and runs its programs.
-consume() {
+# configure_consumer NAME CMAKE_ARGUMENT...: the consumer project in $work-NAME.
+configure_consumer() {
   say "project: $1"
   quietly cmake -S "$consumer" -B "$work-$1" -G Ninja -DCMAKE_BUILD_TYPE=Release "${@:2}"
+}
+
+# consume NAME CMAKE_ARGUMENT...: builds the consumer project and runs its programs.
+consume() {
+  configure_consumer "$@"
   quietly cmake --build "$work-$1"
   quietly ctest --test-dir "$work-$1" --output-on-failure --no-tests=error
 }
@@ -50,7 +55,13 @@ compilers=(g++)
 if command -v clang++ >/dev/null; then compilers+=(clang++); fi
 for compiler in "${compilers[@]}"; do
   for name in static shared; do
-    consume "find_package-$name-$compiler" -DCMAKE_CXX_COMPILER="$compiler" -DCMAKE_PREFIX_PATH="$work-$name/prefix"
+    # All installations have the same headers: once alone, once together by each compiler.
+    case $name-$compiler in
+      static-g++) headers=(-DHEADERS_ALONE=ON -DHEADERS_TOGETHER=ON) ;;
+      static-*) headers=(-DHEADERS_TOGETHER=ON) ;;
+      *) headers=() ;;
+    esac
+    consume "find_package-$name-$compiler" -DCMAKE_CXX_COMPILER="$compiler" -DCMAKE_PREFIX_PATH="$work-$name/prefix" "${headers[@]}"
   done
 done
 consume find_package-native -DCMAKE_PREFIX_PATH="$work-native/prefix"
@@ -112,8 +123,9 @@ same_bits() {
 }
 for compiler in "${compilers[@]}"; do
   for name in static shared native; do
-    consume "march=native-$name-$compiler" -DCMAKE_CXX_COMPILER="$compiler" -DCMAKE_PREFIX_PATH="$work-$name/prefix" \
-      -DCMAKE_CXX_FLAGS=-march=native -DSTRICT=OFF
+    configure_consumer "march=native-$name-$compiler" -DCMAKE_CXX_COMPILER="$compiler" \
+      -DCMAKE_PREFIX_PATH="$work-$name/prefix" -DCMAKE_CXX_FLAGS=-march=native -DSTRICT=OFF
+    quietly cmake --build "$work-march=native-$name-$compiler" --target pose_bits
     same_bits "march=native-$name-$compiler"
   done
   same_bits "find_package-static-$compiler"

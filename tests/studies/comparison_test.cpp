@@ -32,7 +32,7 @@ TEST(Comparison, ReportsWhatTheSolverReturns) {
   Comparison comparison = small_comparison({"tcf", "tcf+ransac"});
   run_comparison(comparison);
   ASSERT_TRUE(comparison.complete());
-  const std::vector<RunRecord> runs = comparison.of("facade", "tcf+ransac");
+  const std::vector<RunRecord> runs = comparison.runs_of("facade", "tcf+ransac");
   ASSERT_EQ(runs.size(), 4u);  // two pairs, two seeds
   const synth::StandIn& facade = synth::stand_in("facade");
   const synth::Problem problem = synth::stand_in_problem(facade, 5, 1);
@@ -204,13 +204,13 @@ TEST(Method, FindsTheScale) {
   Comparison comparison(std::move(groups), 1);
   run_comparison(comparison);
   for (const std::string_view method : {"scale+teaser", "scale+pcr99"}) {
-    for (const RunRecord& run : comparison.of("noise 50 %", method)) {
+    for (const RunRecord& run : comparison.runs_of("noise 50 %", method)) {
       EXPECT_TRUE(run.success) << method;
       EXPECT_LT(run.scale_error, 0.01) << method;
       EXPECT_GT(run.scale_error, 0.0) << method;
     }
   }
-  for (const RunRecord& run : comparison.of("noise 50 %", "teaser")) {
+  for (const RunRecord& run : comparison.runs_of("noise 50 %", "teaser")) {
     EXPECT_FALSE(run.success);
     if (run.has_pose()) {
       EXPECT_NEAR(run.scale_error, 4.0, 1e-12);

@@ -4,7 +4,12 @@
 . "$(dirname "${BASH_SOURCE[0]}")/packages.sh"
 
 use_ccache() {
-  if command -v ccache >/dev/null; then export CMAKE_CXX_COMPILER_LAUNCHER=ccache; fi
+  if command -v ccache >/dev/null; then
+    export CMAKE_CXX_COMPILER_LAUNCHER=ccache
+    # It knows sources with a precompiled header again only when told that none of them asks for the time of day; and the same
+    # object from two build folders only when paths below the checkout do not count.
+    export CCACHE_SLOPPINESS=pch_defines,time_macros CCACHE_BASEDIR=${CCACHE_BASEDIR:-$root}
+  fi
 }
 
 # configure PRESET

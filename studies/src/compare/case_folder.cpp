@@ -86,20 +86,21 @@ std::vector<CaseGroup> case_folder_groups(const fs::path& folder, std::uint64_t 
   std::ranges::sort(folders);
 
   std::map<std::string, CaseGroup> groups;
-  for (const fs::path& of : folders) {
+  for (const fs::path& recorded : folders) {
     for (const char* name : {kPose, kCase}) {
-      if (!fs::exists(of / name)) throw std::runtime_error(fmt::format("{}: is missing", (of / name).string()));
+      if (!fs::exists(recorded / name))
+        throw std::runtime_error(fmt::format("{}: is missing", (recorded / name).string()));
     }
-    const fs::path path = of / kCase;
+    const fs::path path = recorded / kCase;
     const CaseFile file = read_case_file(path);
     std::string group = file.dataset.empty() ? (folder / "").parent_path().filename().string() : file.dataset;
     if (!file.sequence.empty()) group += " " + file.sequence;
-    groups[group].cases.push_back({.name = of.filename().string(),
+    groups[group].cases.push_back({.name = recorded.filename().string(),
                                    .noise_bound = file.noise_bound,
                                    .seed = seed,
                                    .limits = limits_of(file, path, preset),
-                                   .load = [of, bound = file.noise_bound] {
-                                     return synth::read_problem(of / kCorrespondences, of / kPose, bound);
+                                   .load = [recorded, bound = file.noise_bound] {
+                                     return synth::read_problem(recorded / kCorrespondences, recorded / kPose, bound);
                                    }});
   }
   std::vector<CaseGroup> result;

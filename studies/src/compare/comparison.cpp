@@ -23,10 +23,12 @@ void require_csv_name(std::string_view what, std::string_view name) {
       fmt::format("{} '{}': expected a name without commas, quotes and line breaks", what, name));
 }
 
-bool succeeds(const Case& of, const synth::Problem& problem, const Outcome& outcome, const RunRecord& record) {
+bool succeeds(const Case& tried, const synth::Problem& problem, const Outcome& outcome, const RunRecord& record) {
   if (!outcome.has_pose) return false;
-  if (!of.limits) return synth::rmse_true_inliers(problem, outcome.T_target_source, outcome.scale) < of.noise_bound;
-  return record.rotation_error_deg <= of.limits->rotation_deg && record.translation_error <= of.limits->translation;
+  if (!tried.limits)
+    return synth::rmse_true_inliers(problem, outcome.T_target_source, outcome.scale) < tried.noise_bound;
+  return record.rotation_error_deg <= tried.limits->rotation_deg &&
+         record.translation_error <= tried.limits->translation;
 }
 
 RunRecord run(const Case& on, const synth::Problem& problem, const Correspondences& correspondences,
@@ -51,13 +53,14 @@ RunRecord run(const Case& on, const synth::Problem& problem, const Correspondenc
 Comparison::Comparison(std::vector<CaseGroup> groups, std::uint32_t runs) : groups_(std::move(groups)), runs_(runs) {
   for (const CaseGroup& group : groups_) {
     require_csv_name("group", group.name);
-    for (const Case& of : group.cases) {
-      require_csv_name("case", of.name);
+    for (const Case& tried : group.cases) {
+      require_csv_name("case", tried.name);
       for (const std::string& method : group.methods) {
         for (std::uint32_t run = 0; run < runs; ++run) {
-          const auto [slot, added] = slots_.emplace(Key(group.name, of.name, method, of.seed + run), slots_.size());
+          const auto [slot, added] =
+              slots_.emplace(Key(group.name, tried.name, method, tried.seed + run), slots_.size());
           if (!added)
-            throw std::invalid_argument(fmt::format("{}: {} on {} is there twice", group.name, method, of.name));
+            throw std::invalid_argument(fmt::format("{}: {} on {} is there twice", group.name, method, tried.name));
         }
       }
     }
@@ -67,8 +70,8 @@ Comparison::Comparison(std::vector<CaseGroup> groups, std::uint32_t runs) : grou
 }
 
 bool Comparison::has(std::size_t group, std::size_t case_index, std::string_view method, std::uint64_t seed) const {
-  const CaseGroup& of = groups_[group];
-  const auto slot = slots_.find(Key(of.name, of.cases[case_index].name, method, seed));
+  const CaseGroup& place = groups_[group];
+  const auto slot = slots_.find(Key(place.name, place.cases[case_index].name, method, seed));
   return slot != slots_.end() && filled_[slot->second];
 }
 
@@ -92,7 +95,7 @@ std::vector<RunRecord> Comparison::done() const {
   return records;
 }
 
-std::vector<RunRecord> Comparison::of(std::string_view group, std::string_view method) const {
+std::vector<RunRecord> Comparison::runs_of(std::string_view group, std::string_view method) const {
   std::vector<RunRecord> records;
   for (std::size_t slot = 0; slot < records_.size(); ++slot) {
     const RunRecord& record = records_[slot];
@@ -108,18 +111,18 @@ void run_comparison(Comparison& comparison, const ComparisonControl& control) {
     for (std::size_t g = 0; g < comparison.groups().size(); ++g) {
       const CaseGroup& group = comparison.groups()[g];
       if (k >= group.cases.size()) continue;
-      const Case& of = group.cases[k];
+      const Case& tried = group.cases[k];
       std::optional<synth::Problem> problem;
       Correspondences correspondences;
       for (std::uint32_t r = 0; r < comparison.runs(); ++r) {
         for (const std::string& method : group.methods) {
-          if (comparison.has(g, k, method, of.seed + r)) continue;
+          if (comparison.has(g, k, method, tried.seed + r)) continue;
           if (control.stop_requested && control.stop_requested()) return;
           if (!problem) {
-            problem = of.load();
+            problem = tried.load();
             correspondences = problem->correspondences();
           }
-          RunRecord record = run(of, *problem, correspondences, group, method, of.seed + r);
+          RunRecord record = run(tried, *problem, correspondences, group, method, tried.seed + r);
           if (control.on_run) control.on_run(record);
           comparison.put(std::move(record));
         }

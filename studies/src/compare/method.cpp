@@ -26,7 +26,7 @@ constexpr std::string_view kPlainRansacPrefix = "plain-ransac-";
 // By the triangle inequality no sample of inliers has lengths that differ by more, in noise bounds.
 constexpr double kHarmlessLengthTolerance = 2.0;
 
-Outcome of(Registration result) {
+Outcome outcome_of(Registration result) {
   return {.status = std::string(to_string(result.status)),
           .has_pose = result.has_pose(),
           .T_target_source = result.T_target_source,
@@ -101,12 +101,12 @@ std::optional<std::uint32_t> plain_ransac_iterations(std::string_view name) {
 Outcome run_method(std::string_view name, const Correspondences& correspondences, double noise_bound,
                    std::uint64_t seed) {
   if (const auto iterations = plain_ransac_iterations(name)) {
-    return of(register_ransac(correspondences, {.noise_bound = noise_bound,
-                                                .seed = seed,
-                                                .max_iterations = *iterations,
-                                                .confidence = std::nullopt,
-                                                .length_tolerance = kHarmlessLengthTolerance,
-                                                .local_optimisation = false}));
+    return outcome_of(register_ransac(correspondences, {.noise_bound = noise_bound,
+                                                        .seed = seed,
+                                                        .max_iterations = *iterations,
+                                                        .confidence = std::nullopt,
+                                                        .length_tolerance = kHarmlessLengthTolerance,
+                                                        .local_optimisation = false}));
   }
   if (const auto stages = stages_of(name)) return run_stages(*stages, correspondences, noise_bound, seed);
   SolverOptions options{.noise_bound = noise_bound, .seed = seed};
@@ -117,7 +117,7 @@ Outcome run_method(std::string_view name, const Correspondences& correspondences
     options.estimate_scale = true;
     name.remove_prefix(kScalePrefix.size());
   }
-  return of(register_by_name(name, correspondences, options));
+  return outcome_of(register_by_name(name, correspondences, options));
 }
 
 std::string after_filter(std::string_view solver) { return fmt::format("{}{}", kFilterPrefix, solver); }

@@ -62,14 +62,14 @@ std::string success_caption(const TableOptions& options, const std::vector<const
   std::map<std::string, std::vector<std::string_view>> names;  // of groups, by their limits
   for (const CaseGroup* group : groups) {
     std::set<std::string> limits;
-    for (const Case& of : group->cases) {
-      limits.insert(of.limits ? to_string(*of.limits) : "RMSE of the true inliers below the noise bound");
+    for (const Case& tried : group->cases) {
+      limits.insert(tried.limits ? to_string(*tried.limits) : "RMSE of the true inliers below the noise bound");
     }
     names[fmt::format("{}", fmt::join(limits, " or "))].push_back(group->name);
   }
   std::vector<std::string> parts;
   parts.reserve(names.size());
-  for (const auto& [limits, of] : names) parts.push_back(fmt::format("{}: {}", fmt::join(of, ", "), limits));
+  for (const auto& [limits, limited] : names) parts.push_back(fmt::format("{}: {}", fmt::join(limited, ", "), limits));
   return fmt::format("Success (thresholds `{}`): {}.", options.preset, fmt::join(parts, "; "));
 }
 
@@ -111,8 +111,8 @@ class TableMaker {
 
  private:
   /// Statistics of a method on a group; none if nothing is done yet.
-  [[nodiscard]] RunStatistics of(const CaseGroup& group, std::string_view method) const {
-    return run_statistics(comparison_.of(group.name, method));
+  [[nodiscard]] RunStatistics statistics_of(const CaseGroup& group, std::string_view method) const {
+    return run_statistics(comparison_.runs_of(group.name, method));
   }
 
   [[nodiscard]] std::vector<std::string> captions(std::initializer_list<std::string_view> more) const {
@@ -132,7 +132,7 @@ class TableMaker {
         .rows = {}};
     for (const CaseGroup* group : groups_) {
       for (const std::string& solver : options_.solvers) {
-        const RunStatistics s = of(*group, options_.filtered ? after_filter(solver) : solver);
+        const RunStatistics s = statistics_of(*group, options_.filtered ? after_filter(solver) : solver);
         table.rows.push_back({group->name, solver, percent(s.recall), interval(s.recall_interval),
                               error(s.rotation_deg), error(s.translation), milliseconds(s.seconds_median)});
       }
@@ -151,9 +151,9 @@ class TableMaker {
                     "time ms"},
         .rows = {}};
     for (const CaseGroup* group : groups_) {
-      const RunStatistics kept = of(*group, kFilterStages);
+      const RunStatistics kept = statistics_of(*group, kFilterStages);
       for (const std::string& solver : options_.solvers) {
-        const RunStatistics alone = of(*group, solver), after = of(*group, after_filter(solver));
+        const RunStatistics alone = statistics_of(*group, solver), after = statistics_of(*group, after_filter(solver));
         table.rows.push_back({group->name, solver, count(kept.rows), percent(kept.inlier_ratio), percent(alone.recall),
                               error(alone.rotation_deg), error(alone.translation), milliseconds(alone.seconds_median)});
         table.rows.push_back({group->name, after_filter(solver), count(kept.kept), percent(kept.kept_inlier_ratio),
@@ -175,11 +175,11 @@ class TableMaker {
         .columns = {"data", "stages", "IR %", "IN", "rows left", "time ms"},
         .rows = {}};
     for (const CaseGroup* group : groups_) {
-      const RunStatistics input = of(*group, kStages.front());
+      const RunStatistics input = statistics_of(*group, kStages.front());
       table.rows.push_back(
           {group->name, "none", percent(input.inlier_ratio), count(input.inliers), count(input.rows), "-"});
       for (const char* method : kStages) {
-        const RunStatistics s = of(*group, method);
+        const RunStatistics s = statistics_of(*group, method);
         table.rows.push_back({group->name, method, percent(s.kept_inlier_ratio), count(s.kept_inliers), count(s.kept),
                               milliseconds(s.seconds_median)});
       }
@@ -199,7 +199,7 @@ class TableMaker {
                     .rows = {}};
     for (const CaseGroup* group : groups_) {
       for (const char* method : kPoses) {
-        const RunStatistics s = of(*group, method);
+        const RunStatistics s = statistics_of(*group, method);
         table.rows.push_back({group->name, method, percent(s.recall), interval(s.recall_interval),
                               error(s.rotation_deg), error(s.translation), milliseconds(s.seconds_median)});
       }
@@ -221,11 +221,11 @@ class TableMaker {
         .rows = {}};
     const double share = std::pow(1.0 - kIterationOutliers, 3);
     for (const std::uint32_t n : options_.iterations) {
-      const RunStatistics s = of(*group, plain_ransac(n));
+      const RunStatistics s = statistics_of(*group, plain_ransac(n));
       table.rows.push_back({"plain ransac", fmt::format("{}", n), percent(s.recall), interval(s.recall_interval),
                             percent(-std::expm1(n * std::log1p(-share))), milliseconds(s.seconds_median)});
     }
-    const RunStatistics rival = of(*group, kIterationRival);
+    const RunStatistics rival = statistics_of(*group, kIterationRival);
     table.rows.push_back({std::string(kIterationRival), "-", percent(rival.recall), interval(rival.recall_interval),
                           "-", milliseconds(rival.seconds_median)});
     return table;
@@ -244,7 +244,7 @@ class TableMaker {
     for (const CaseGroup* group : scale_groups_) {
       for (const std::string& solver : options_.solvers) {
         if (!finds_scale(solver)) continue;
-        const RunStatistics s = of(*group, with_scale(solver));
+        const RunStatistics s = statistics_of(*group, with_scale(solver));
         table.rows.push_back({group->name, solver, percent(s.recall), interval(s.recall_interval),
                               fine_percent(s.largest_scale_error), error(s.rotation_deg), error(s.translation),
                               milliseconds(s.seconds_median)});

@@ -75,8 +75,8 @@ std::string interval(const Interval& shares) {
   return fmt::format("{:.1f} - {:.1f}", 100.0 * shares.low, 100.0 * shares.high);
 }
 
-std::string error(const ErrorStatistics& of) {
-  return fmt::format("{} ({})", three_digits(of.mean_of_successes), three_digits(of.median_of_all));
+std::string error(const ErrorStatistics& errors) {
+  return fmt::format("{} ({})", three_digits(errors.mean_of_successes), three_digits(errors.median_of_all));
 }
 
 std::string milliseconds(double seconds) { return three_digits(1e3 * seconds); }

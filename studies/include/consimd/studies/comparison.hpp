@@ -37,7 +37,7 @@ class Comparison {
   void put(RunRecord record);
 
   /// The runs of a method in a group that are done, in order.
-  [[nodiscard]] std::vector<RunRecord> of(std::string_view group, std::string_view method) const;
+  [[nodiscard]] std::vector<RunRecord> runs_of(std::string_view group, std::string_view method) const;
   /// All that are done, in order.
   [[nodiscard]] std::vector<RunRecord> done() const;
 
