@@ -16,12 +16,13 @@ LAYERS = {
     "kernels": "",
     "poses": "kernels",
     "solvers": "poses kernels",
+    "features": "solvers poses kernels",
     "synth": "poses kernels",
-    "studies": "solvers synth poses kernels",
-    "bench": "studies solvers synth poses kernels",
-    "cli": "studies solvers synth poses kernels",
-    "python": "studies solvers synth poses kernels",
-    "examples": "studies solvers synth poses kernels",
+    "studies": "features solvers synth poses kernels",
+    "bench": "studies features solvers synth poses kernels",
+    "cli": "studies features solvers synth poses kernels",
+    "python": "studies features solvers synth poses kernels",
+    "examples": "studies features solvers synth poses kernels",
 }
 
 # A room is a folder of solvers/src. A public header belongs to the room that has the source of its name.

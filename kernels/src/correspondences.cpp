@@ -7,6 +7,7 @@
 #include <string>
 
 #include "kernel_arguments.hpp"
+#include "working_scale.hpp"
 
 namespace consimd {
 namespace {
@@ -47,14 +48,6 @@ double largest_offset(const PointSpan<T>& points, const std::array<double, 3>& o
   return largest;
 }
 
-/// Power of two that brings `largest` into [0.5, 1).
-double working_scale(double largest) {
-  if (!std::isfinite(largest)) throw std::invalid_argument("the extent of the points is beyond double precision");
-  if (largest == 0.0) return 1.0;
-  constexpr int kSmallestExponent = -1000;  // keeps the scale itself finite
-  return std::ldexp(1.0, -std::max(std::ilogb(largest) + 1, kSmallestExponent));
-}
-
 void require_rows(std::span<const std::uint32_t> rows, std::size_t size) {
   // The largest first, which vectorises: loops that gather subsets spend much of their time here.
   std::uint32_t largest = 0;
@@ -89,7 +82,8 @@ void Correspondences::assign(PointSpan<T> source, PointSpan<T> target) {
   require_finite(target, "target");
   source_centroid_ = centroid(source);
   target_centroid_ = centroid(target);
-  scale_ = working_scale(std::max(largest_offset(source, source_centroid_), largest_offset(target, target_centroid_)));
+  scale_ = detail::working_scale(
+      std::max(largest_offset(source, source_centroid_), largest_offset(target, target_centroid_)));
 
   allocate(source.size);
   for (std::size_t c = 0; c < 3; ++c) {
@@ -126,7 +120,7 @@ Correspondences Correspondences::with_scaled_source(double factor) const {
   scaled.source_centroid_ = source_centroid_;
   for (double& x : scaled.source_centroid_) x *= factor;
   scaled.target_centroid_ = target_centroid_;
-  scaled.scale_ = working_scale(largest / scale_);
+  scaled.scale_ = detail::working_scale(largest / scale_);
   scaled.allocate(size_);
   const double resized = scaled.scale_ / scale_;
   for (std::size_t c = 0; c < 6; ++c) {

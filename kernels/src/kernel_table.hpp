@@ -7,6 +7,8 @@
 
 #include <consimd/kernels/kernel_data.hpp>
 
+#include "clouds/cloud_kernels.hpp"
+
 namespace consimd::detail {
 
 /// A CorrespondenceView as bare pointers: 64-byte aligned, `padded` a multiple of 64, NaN from `size` on.
@@ -71,6 +73,7 @@ struct KernelTable {
   void (*length_disagreement)(const RawView&, const std::uint32_t* seeds, std::size_t n, RatioBounds, float* costs);
   /// lows, highs: view.padded floats.
   void (*scale_intervals)(const RawView&, std::uint32_t seed, float bound, float* lows, float* highs);
+  CloudKernels clouds;
 };
 
 // One table per instruction set; only those that the build compiles are defined (CONSIMD_HAVE_SSE2, ..., set by CMake

@@ -449,6 +449,7 @@ const KernelTable& table() noexcept {
       .masked_row_sums = masked_row_sums,
       .length_disagreement = length_disagreement,
       .scale_intervals = scale_intervals,
+      .clouds = kCloudKernels,
   };
   return kTable;
 }

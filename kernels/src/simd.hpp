@@ -15,6 +15,7 @@
 //   bitmask(mask)        bit l tells lane l
 //   mask_of(bits, Arch)  the inverse, from the lowest bits of a word
 //   join(lanes)          sum of the lanes: l + width/2 onto l, and so on down
+//   pair_products(a, b)  of lanes of two 16-bit whole numbers: the sum of their two products
 // It may replace any of the templates that follow them here.
 #if XSIMD_WITH_AVX512BW
 #include "simd/avx512.hpp"
@@ -58,6 +59,29 @@ inline std::uint32_t common_bits(const std::uint64_t* a, const std::uint64_t* b,
   std::uint32_t count = 0;
   for (std::size_t word = 0; word < words; ++word) count += popcount<Arch>(a[word] & b[word]);
   return count;
+}
+
+/// from[at[0]], from[at[1]], ...
+template <typename Arch>
+inline Batch<Arch> gather(const float* from, const std::uint32_t* at, Arch /*tag*/) {
+  alignas(64) float lanes[kWidth<Arch>];
+  for (std::size_t l = 0; l < kWidth<Arch>; ++l) lanes[l] = from[at[l]];
+  return Batch<Arch>::load_aligned(lanes);
+}
+
+/// Stores the lanes l whose bits are set, and the numbers first + l, side by side, and anything behind them as far as a
+/// register reaches.
+template <typename Arch>
+inline void store_chosen(const Batch<Arch>& values, std::uint32_t first, std::uint64_t bits, float* chosen,
+                         std::uint32_t* indices) {
+  alignas(64) float lanes[kWidth<Arch>];
+  values.store_aligned(lanes);
+  std::size_t count = 0;
+  for (std::uint32_t l = 0; l < kWidth<Arch>; ++l) {
+    chosen[count] = lanes[l];
+    indices[count] = first + l;
+    count += bits >> l & 1u;
+  }
 }
 
 /// `value` where the mask is set, else 0.

@@ -3,6 +3,7 @@
 
 #include "alignment_residuals-inl.hpp"
 #include "angle_consistency-inl.hpp"
+#include "clouds/cloud_kernels-inl.hpp"
 #include "consensus-inl.hpp"
 #include "consistency_matrix-inl.hpp"
 #include "kernel_table.hpp"
@@ -42,6 +43,7 @@ inline constexpr KernelTable kTable{
     .masked_row_sums = masked_row_sums<Arch>,
     .length_disagreement = length_disagreement<Arch>,
     .scale_intervals = scale_intervals<Arch>,
+    .clouds = kCloudKernels<Arch>,
 };
 
 }  // namespace consimd::detail

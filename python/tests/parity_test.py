@@ -15,7 +15,9 @@ ROOT = pathlib.Path(__file__).parents[2]
 # Of C++ alone: it reads files, other types of points, and names, which Python hands over as arrays and texts; lengths
 # in the working frame are the caller's times Correspondences.scale.
 CPP_ALONE = {
-    "kernels": {"to_string", "parse_isa", "gather", "pcl_correspondences", "matches_subset", "working_length"},
+    "kernels": {"to_string", "parse_isa", "gather", "pcl_correspondences", "matches_subset", "working_length",
+                "neighbours_within", "neighbourhood_scatter", "principal_axes", "pair_feature_counts",
+                "weighted_histogram_sum", "best_matches"},
     "poses": {"column_points", "row_points"},
     "synth": {"stand_in", "read_correspondences", "read_pose", "read_scaled_pose", "read_problem"},
 }

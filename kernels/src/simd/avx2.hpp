@@ -59,4 +59,41 @@ inline __m256i byte_popcounts(__m256i bits) {
   return count;
 }
 
+inline std::uint64_t bitmask(const IntMask<xsimd::avx2>& mask) {
+  return static_cast<std::uint32_t>(_mm256_movemask_ps(_mm256_castsi256_ps(mask.data)));
+}
+
+inline IntBatch<xsimd::avx2> pair_products(const IntBatch<xsimd::avx2>& a, const IntBatch<xsimd::avx2>& b) {
+  return _mm256_madd_epi16(a, b);
+}
+
+/// Lane by lane: Zen's gather instructions take longer.
+inline Batch<xsimd::avx2> gather(const float* from, const std::uint32_t* at, xsimd::avx2) {
+  return _mm256_setr_ps(from[at[0]], from[at[1]], from[at[2]], from[at[3]], from[at[4]], from[at[5]], from[at[6]],
+                        from[at[7]]);
+}
+
+/// Entry b: the positions of the bits set in b, ascending.
+struct SetBits {
+  std::uint8_t positions[256][8] = {};
+
+  constexpr SetBits() {
+    for (unsigned bits = 0; bits < 256; ++bits) {
+      for (unsigned bit = 0, count = 0; bit < 8; ++bit) {
+        if ((bits >> bit & 1u) != 0) positions[bits][count++] = static_cast<std::uint8_t>(bit);
+      }
+    }
+  }
+};
+inline constexpr SetBits kSetBits;
+
+inline void store_chosen(const Batch<xsimd::avx2>& values, std::uint32_t first, std::uint64_t bits, float* chosen,
+                         std::uint32_t* indices) {
+  const auto* entry = reinterpret_cast<const __m128i*>(kSetBits.positions[bits]);
+  const __m256i positions = _mm256_cvtepu8_epi32(_mm_loadl_epi64(entry));
+  _mm256_storeu_ps(chosen, _mm256_permutevar8x32_ps(values, positions));
+  _mm256_storeu_si256(reinterpret_cast<__m256i*>(indices),
+                      _mm256_add_epi32(positions, _mm256_set1_epi32(static_cast<int>(first))));
+}
+
 }  // namespace consimd::detail

@@ -72,4 +72,24 @@ inline __m512i byte_popcounts(__m512i bits) {
   return static_cast<std::uint32_t>(_mm512_reduce_add_epi64(sum));
 }
 
+inline std::uint64_t bitmask(const IntMask<xsimd::avx512bw>& mask) { return static_cast<__mmask16>(mask.data); }
+
+inline IntBatch<xsimd::avx512bw> pair_products(const IntBatch<xsimd::avx512bw>& a, const IntBatch<xsimd::avx512bw>& b) {
+  return _mm512_madd_epi16(a, b);
+}
+
+inline Batch<xsimd::avx512bw> gather(const float* from, const std::uint32_t* at, xsimd::avx512bw) {
+  return _mm512_i32gather_ps(_mm512_loadu_si512(at), from, sizeof(float));
+}
+
+inline void store_chosen(const Batch<xsimd::avx512bw>& values, std::uint32_t first, std::uint64_t bits, float* chosen,
+                         std::uint32_t* indices) {
+  const auto mask = static_cast<__mmask16>(bits);
+  const __m512i lanes = _mm512_setr_epi32(0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15);
+  const __m512i numbers = _mm512_add_epi32(lanes, _mm512_set1_epi32(static_cast<int>(first)));
+  // By way of a register: a compressing store is slow on Zen 4.
+  _mm512_storeu_ps(chosen, _mm512_maskz_compress_ps(mask, values));
+  _mm512_storeu_si512(indices, _mm512_maskz_compress_epi32(mask, numbers));
+}
+
 }  // namespace consimd::detail

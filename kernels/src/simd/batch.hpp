@@ -14,6 +14,11 @@ template <typename Arch>
 using Mask = xsimd::batch_bool<float, Arch>;
 
 template <typename Arch>
+using IntBatch = xsimd::batch<std::int32_t, Arch>;
+template <typename Arch>
+using IntMask = xsimd::batch_bool<std::int32_t, Arch>;
+
+template <typename Arch>
 inline constexpr std::size_t kWidth = Batch<Arch>::size;
 
 template <typename Arch>

@@ -32,4 +32,15 @@ inline float join(const Batch<xsimd::neon64>& lanes) {
   return vpadds_f32(vadd_f32(vget_low_f32(lanes), vget_high_f32(lanes)));
 }
 
+inline std::uint64_t bitmask(const IntMask<xsimd::neon64>& mask) {
+  const uint32x4_t lane_bits = {1, 2, 4, 8};
+  return vaddvq_u32(vandq_u32(mask.data, lane_bits));
+}
+
+inline IntBatch<xsimd::neon64> pair_products(const IntBatch<xsimd::neon64>& a, const IntBatch<xsimd::neon64>& b) {
+  const int16x8_t x = vreinterpretq_s16_s32(a);
+  const int16x8_t y = vreinterpretq_s16_s32(b);
+  return vpaddq_s32(vmull_s16(vget_low_s16(x), vget_low_s16(y)), vmull_high_s16(x, y));
+}
+
 }  // namespace consimd::detail

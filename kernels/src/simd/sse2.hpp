@@ -23,4 +23,12 @@ inline float join(const Batch<xsimd::sse2>& lanes) {
   return _mm_cvtss_f32(_mm_add_ss(two, _mm_shuffle_ps(two, two, 1)));
 }
 
+inline std::uint64_t bitmask(const IntMask<xsimd::sse2>& mask) {
+  return static_cast<std::uint32_t>(_mm_movemask_ps(_mm_castsi128_ps(mask.data)));
+}
+
+inline IntBatch<xsimd::sse2> pair_products(const IntBatch<xsimd::sse2>& a, const IntBatch<xsimd::sse2>& b) {
+  return _mm_madd_epi16(a, b);
+}
+
 }  // namespace consimd::detail

@@ -1,0 +1,27 @@
+// Clouds from files.
+#pragma once
+
+#include <filesystem>
+#include <optional>
+
+#include <consimd/kernels/cloud.hpp>
+
+#pragma GCC visibility push(default)
+
+namespace consimd::features {
+
+/// Reads the points of a cloud; what else a file holds of them is passed over. Which form it is tells its beginning, or
+/// its ending:
+///   PLY      ascii, binary of both byte orders
+///   PCD      ascii, binary, binary_compressed
+///   NPY      N x 3 or more columns of float32 or float64, C or Fortran order, of both byte orders
+///   .bin     KITTI's: float32 x, y, z, reflectance
+///   text     a point a line: x y z and what else, separated by blanks, commas or semicolons; '#' starts a comment, a
+///            first line of names tells where x, y and z are
+/// `missing`: see Cloud. "-" reads the standard input. Throws std::runtime_error "FILE: what" (of text "FILE:LINE:
+/// what") on a file that cannot be read or is damaged: a header that promises more than there is reserves no memory.
+[[nodiscard]] Cloud read_cloud(const std::filesystem::path& path, std::optional<double> missing = std::nullopt);
+
+}  // namespace consimd::features
+
+#pragma GCC visibility pop

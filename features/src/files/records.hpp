@@ -1,0 +1,65 @@
+// Points in the bytes of a file.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <stdexcept>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace consimd::features::detail {
+
+/// A fault of a file; whoever knows its name puts it in front.
+class FileFault : public std::runtime_error {
+  using std::runtime_error::runtime_error;
+};
+
+/// x y z of each point.
+using Coordinates = std::vector<std::array<double, 3>>;
+
+enum class NumberType : std::uint8_t { int8, uint8, int16, uint16, int32, uint32, float32, float64 };
+
+[[nodiscard]] std::size_t size_of(NumberType type) noexcept;
+
+/// Where a coordinate of the first point is, and how far it is to that of the next.
+struct Column {
+  std::size_t offset = 0;
+  std::size_t stride = 0;
+  NumberType type = NumberType::float32;
+};
+
+/// `count` points out of `bytes`, of the machine's byte order or the other. Throws FileFault where the bytes end before
+/// the points do.
+[[nodiscard]] Coordinates read_columns(std::string_view bytes, const std::array<Column, 3>& columns, std::size_t count,
+                                       bool swapped);
+
+/// Throws FileFault unless `bytes` hold that many records of `size` bytes.
+void require_records(std::string_view bytes, std::size_t count, std::size_t size);
+
+/// A word of the file as an error message may show it: short and printable.
+[[nodiscard]] std::string shown(std::string_view word);
+
+/// A whole number. Throws FileFault that says what it is of.
+[[nodiscard]] std::size_t parse_count(std::string_view word, std::string_view of);
+
+/// The words of a line, between blanks, and the line itself taken off the text.
+[[nodiscard]] std::vector<std::string_view> take_line(std::string_view& text);
+
+// The forms of files, each from its whole contents. They throw FileFault.
+[[nodiscard]] Coordinates read_ply(std::string_view bytes);
+[[nodiscard]] Coordinates read_pcd(std::string_view bytes);
+[[nodiscard]] Coordinates read_npy(std::string_view bytes);
+[[nodiscard]] Coordinates read_kitti(std::string_view bytes);
+[[nodiscard]] Coordinates read_point_text(std::string_view text);
+
+/// `count` lines of numbers; columns: which of a line's are x, y and z; lines start after line `before` of the file.
+/// Throws FileFault "LINE: what".
+[[nodiscard]] Coordinates read_number_lines(std::string_view text, const std::array<std::size_t, 3>& columns,
+                                            std::size_t count, std::size_t before);
+
+/// Undoes LZF compression. Throws FileFault unless exactly `size` bytes come out.
+[[nodiscard]] std::string decompress_lzf(std::string_view compressed, std::size_t size);
+
+}  // namespace consimd::features::detail

@@ -1,0 +1,67 @@
+#include <consimd/features/cell_grid.hpp>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <stdexcept>
+
+#include "grid/cell_keys.hpp"
+#include "grid/neighbourhoods.hpp"
+
+namespace consimd::features {
+
+CellGrid::CellGrid(const Cloud& cloud, double cell) : cell_(cell) {
+  // A little more than asked for, so that rounding takes no neighbour at the very radius beyond the next cell.
+  const detail::CellKeys key_of(cloud, (1.0 + 1e-5) * cell, "cell");
+  strides_ = key_of.strides();
+  std::vector<std::uint64_t> keys(cloud.size());
+  for (std::size_t i = 0; i < keys.size(); ++i) keys[i] = key_of(i);
+  order_ = detail::sorting_order(keys);
+  cloud_ = cloud.subset(order_);
+  for (std::uint32_t row = 0; row < order_.size(); ++row) {
+    const std::uint64_t key = keys[order_[row]];
+    if (!keys_.empty() && key == keys_.back()) continue;
+    keys_.push_back(key);
+    firsts_.push_back(row);
+  }
+  firsts_.push_back(static_cast<std::uint32_t>(order_.size()));
+}
+
+NeighbourLists radius_neighbours(const CellGrid& grid, std::span<const std::uint32_t> rows, double radius) {
+  detail::require_radius(grid, radius, "radius");
+  detail::require_ascending(rows, grid.size());
+  std::vector<std::vector<std::uint32_t>> found(rows.size());
+  std::vector<std::vector<float>> squared(rows.size());
+  detail::visit_neighbourhoods(grid, rows, radius, [&](std::size_t k, const detail::Neighbourhood& near) {
+    found[k].assign(near.rows.begin(), near.rows.end());
+    squared[k].assign(near.squared_distances.begin(), near.squared_distances.end());
+  });
+  NeighbourLists lists{{0}, {}, {}};
+  for (std::size_t k = 0; k < rows.size(); ++k) {
+    lists.rows.insert(lists.rows.end(), found[k].begin(), found[k].end());
+    for (const float s : squared[k]) {
+      lists.distances.push_back(std::sqrt(static_cast<double>(s)) / grid.cloud().scale());
+    }
+    lists.starts.push_back(lists.rows.size());
+  }
+  return lists;
+}
+
+double resolution(const CellGrid& grid) {
+  if (grid.size() == 0) throw std::invalid_argument("the cloud is empty: it has no resolution");
+  constexpr std::size_t kSampled = 2000;
+  std::vector<std::uint32_t> rows;
+  const std::size_t step = (grid.size() + kSampled - 1) / kSampled;
+  for (std::size_t row = 0; row < grid.size(); row += step) rows.push_back(static_cast<std::uint32_t>(row));
+  std::vector<float> nearest(rows.size(), std::numeric_limits<float>::infinity());
+  detail::visit_neighbourhoods(grid, rows, grid.cell(), [&](std::size_t k, const detail::Neighbourhood& near) {
+    for (std::size_t j = 0; j < near.rows.size(); ++j) {
+      if (near.rows[j] != near.row) nearest[k] = std::min(nearest[k], near.squared_distances[j]);
+    }
+  });
+  const auto middle = nearest.begin() + static_cast<std::ptrdiff_t>(nearest.size() / 2);
+  std::nth_element(nearest.begin(), middle, nearest.end());
+  return std::sqrt(static_cast<double>(*middle)) / grid.cloud().scale();
+}
+
+}  // namespace consimd::features

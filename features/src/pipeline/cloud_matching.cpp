@@ -1,0 +1,201 @@
+#include <consimd/features/cloud_matching.hpp>
+
+#include <oneapi/tbb/parallel_invoke.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <cstdio>
+#include <stdexcept>
+#include <utility>
+
+#include <consimd/features/cell_grid.hpp>
+#include <consimd/features/fpfh.hpp>
+#include <consimd/features/normals.hpp>
+#include <consimd/features/point_subset.hpp>
+#include <consimd/features/voxel_grid.hpp>
+
+namespace consimd::features {
+namespace {
+
+/// Longest side of the box around a cloud, caller's unit.
+double extent(const Cloud& cloud) {
+  const CloudView view = cloud.view();
+  double longest = 0.0;
+  for (std::size_t c = 0; c < 3; ++c) {
+    const auto [low, high] = std::minmax_element(view.points(c), view.points(c) + cloud.size());
+    longest = std::max(longest, static_cast<double>(*high) - static_cast<double>(*low));
+  }
+  return longest / cloud.scale();
+}
+
+std::string shown(double value) {
+  char text[32];
+  std::snprintf(text, sizeof(text), "%.3g", value);
+  return text;
+}
+
+void require_points(const Cloud& cloud, const std::string& name) {
+  if (!cloud.empty()) return;
+  throw std::invalid_argument(
+      "the " + name + " cloud is empty" +
+      (cloud.left_out() > 0 ? ": all of its " + std::to_string(cloud.left_out()) + " rows are without a place" : ""));
+}
+
+void require_radii(const CloudMatchingOptions& options) {
+  if (!(std::isfinite(options.descriptor_radius) && options.descriptor_radius > 0.0)) {
+    throw std::invalid_argument("descriptor_radius is " + std::to_string(options.descriptor_radius) +
+                                ", expected a number of voxels above 0");
+  }
+  if (!(options.normal_radius > 0.0 && options.normal_radius <= options.descriptor_radius)) {
+    throw std::invalid_argument("normal_radius is " + std::to_string(options.normal_radius) +
+                                ", expected a number of voxels above 0, at most descriptor_radius, " +
+                                std::to_string(options.descriptor_radius));
+  }
+}
+
+std::string hint_of(double source_extent, double target_extent) {
+  constexpr double kLargestRatio = 100.0;
+  const double ratio = std::max(source_extent, target_extent) / std::min(source_extent, target_extent);
+  if (!(ratio > kLargestRatio)) return {};
+  const bool source_larger = source_extent > target_extent;
+  return std::string("the ") + (source_larger ? "source" : "target") + " cloud is " + shown(ratio) +
+         " times as long as the other: are both in the same unit?";
+}
+
+double voxel_of(const Cloud& source, const Cloud& target, const CloudMatchingOptions& options) {
+  if (!options.voxel) return std::max(choose_voxel(source), choose_voxel(target));
+  const double longest = std::max(extent(source), extent(target));
+  if (!std::isfinite(*options.voxel) || *options.voxel <= 0.0 || (longest > 0.0 && *options.voxel > longest)) {
+    throw std::invalid_argument("voxel is " + shown(*options.voxel) + ", expected a length above 0 and below " +
+                                shown(longest) + ", that of the clouds; " +
+                                shown(std::max(choose_voxel(source), choose_voxel(target))) + " would suit them");
+  }
+  return *options.voxel;
+}
+
+/// What is made of one cloud on the way.
+struct Side {
+  const Cloud& cloud;
+  const std::optional<std::array<double, 3>>& viewpoint;
+  CloudSummary& summary;
+  std::optional<CellGrid> grid = std::nullopt;
+  Descriptors descriptors = {};
+};
+
+/// Runs the stages one after another, each on both clouds at the same time.
+class Stages {
+ public:
+  Stages(Side& source, Side& target, std::vector<StageReport>& reports)
+      : source_(source), target_(target), reports_(reports) {}
+
+  /// work(side) gives what went in and what came out.
+  template <typename Work>
+  void run(const char* name, const Work& work) {
+    time(name, [&] {
+      std::pair<std::size_t, std::size_t> source, target;
+      tbb::parallel_invoke([&] { source = work(source_); }, [&] { target = work(target_); });
+      return std::pair(source.first + target.first, source.second + target.second);
+    });
+  }
+
+  template <typename Work>
+  void time(const char* name, const Work& work) {
+    const auto start = std::chrono::steady_clock::now();
+    const auto [input, output] = work();
+    const std::chrono::duration<double> taken = std::chrono::steady_clock::now() - start;
+    reports_.push_back({name, input, output, 0, taken.count()});
+  }
+
+ private:
+  Side& source_;
+  Side& target_;
+  std::vector<StageReport>& reports_;
+};
+
+double noise_bound_of(const CloudMatches& matches) {
+  constexpr double kResolutions = 3.0;
+  const double mean = (matches.source.resolution + matches.target.resolution) / 2.0;
+  return kResolutions * (std::isfinite(mean) && mean > 0.0 ? mean : matches.voxel);
+}
+
+void take_points(const Side& source, const Side& target, CloudMatches& result) {
+  for (const Match& m : result.matches) {
+    result.source_points.push_back(source.grid->cloud().point(source.descriptors.rows[m.source]));
+    result.target_points.push_back(target.grid->cloud().point(target.descriptors.rows[m.target]));
+  }
+  const auto span = [](const std::vector<std::array<double, 3>>& points) {
+    return PointSpan<double>::interleaved(points.empty() ? nullptr : points.front().data(), points.size());
+  };
+  result.correspondences = Correspondences(span(result.source_points), span(result.target_points));
+}
+
+}  // namespace
+
+double choose_voxel(const Cloud& cloud) {
+  if (cloud.empty()) throw std::invalid_argument("the cloud is empty: no voxel suits it");
+  const double length = extent(cloud);
+  if (!(length > 0.0)) return 1.0;
+  const double wanted = std::min(12000.0, 0.75 * static_cast<double>(cloud.size()));
+  // The number of voxels falls about with the square of their side, of surfaces, so that a few steps suffice.
+  constexpr int kSteps = 8;
+  constexpr double kSmallestShare = 0x1p-18;
+  double voxel = length / 256.0;
+  for (int step = 0; step < kSteps; ++step) {
+    const double ratio = static_cast<double>(occupied_voxels(cloud, voxel)) / wanted;
+    if (std::abs(ratio - 1.0) < 0.05) break;
+    voxel = std::clamp(voxel * std::sqrt(ratio), kSmallestShare * length, length);
+  }
+  const double digit = std::pow(10.0, std::floor(std::log10(voxel)) - 1.0);
+  return std::round(voxel / digit) * digit;
+}
+
+CloudMatches match_clouds(const Cloud& source, const Cloud& target, const CloudMatchingOptions& options) {
+  require_points(source, "source");
+  require_points(target, "target");
+  require_radii(options);
+  CloudMatches result;
+  Side of_source{source, options.source_viewpoint, result.source};
+  Side of_target{target, options.target_viewpoint, result.target};
+  Stages stages(of_source, of_target, result.stages);
+
+  if (!options.voxel) {
+    stages.time("choose_voxel", [&] {
+      result.voxel = voxel_of(source, target, options);
+      return std::pair(source.size() + target.size(), source.size() + target.size());
+    });
+  } else {
+    result.voxel = voxel_of(source, target, options);
+  }
+  result.hint = hint_of(extent(source), extent(target));
+  const double radius = options.descriptor_radius * result.voxel;
+
+  stages.run("voxel_grid", [&](Side& side) {
+    side.grid.emplace(voxel_grid(side.cloud, result.voxel), radius);
+    side.summary.points = side.cloud.size();
+    side.summary.left_out = side.cloud.left_out();
+    side.summary.voxels = side.grid->size();
+    side.summary.resolution = resolution(*side.grid);
+    return std::pair(side.cloud.size(), side.grid->size());
+  });
+  stages.run("normals", [&](Side& side) {
+    estimate_normals(*side.grid, {options.normal_radius * result.voxel, side.viewpoint});
+    return std::pair(side.grid->size(), side.grid->size());
+  });
+  stages.run("fpfh", [&](Side& side) {
+    const std::size_t count = options.keypoints.value_or(side.grid->size());
+    side.descriptors = fpfh(*side.grid, random_subset(side.grid->size(), count, options.seed), radius);
+    side.summary.descriptors = side.descriptors.size();
+    return std::pair(side.grid->size(), side.descriptors.size());
+  });
+  stages.time("matches", [&] {
+    result.matches = match(of_source.descriptors.values, of_target.descriptors.values, of_source.descriptors.length,
+                           options.matches);
+    return std::pair(of_source.descriptors.size() + of_target.descriptors.size(), result.matches.size());
+  });
+  result.noise_bound = noise_bound_of(result);
+  take_points(of_source, of_target, result);
+  return result;
+}
+
+}  // namespace consimd::features

@@ -1,0 +1,19 @@
+// Points that follow one another in a cloud. No standard-library containers here: the ISA-specific sources include this
+// file.
+#pragma once
+
+#include <cstdint>
+
+#pragma GCC visibility push(default)
+
+namespace consimd {
+
+/// Points `first` to `last` - 1.
+struct PointRun {
+  std::uint32_t first;
+  std::uint32_t last;
+};
+
+}  // namespace consimd
+
+#pragma GCC visibility pop

@@ -1,0 +1,94 @@
+// The part of the table of functions that works on clouds and descriptors. Plain data only: this header is seen by
+// every ISA-specific source.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+
+#include <consimd/kernels/point_run.hpp>
+
+namespace consimd::detail {
+
+/// A CloudView as bare pointers: NaN from `size` on, and readable for 64 floats more. Normals may be null where a
+/// kernel does not read them.
+struct RawPoints {
+  const float* points[3];
+  const float* normals[3];
+  std::size_t size;
+};
+
+/// Descriptors as whole numbers of `pairs` times two components.
+struct RawDescriptors {
+  const std::int16_t* rows;  ///< one after the other
+  const std::int16_t*
+      tiles;  ///< blocks of 16: pair 0 of each of the 16, pair 1 of each, ...; the last filled up with 0
+  const std::int32_t* squared_norms;  ///< up to the last block's end
+  std::size_t size;
+  std::size_t pairs;
+};
+
+/// The best k of each of a number of descriptors, rank by rank: entry r * stride + i is of rank r of descriptor i.
+/// Ranks ascend by distance, then by index.
+struct RawMatches {
+  std::int32_t* distances;
+  std::uint32_t* indices;
+  std::size_t stride;
+};
+
+/// Every pointer is set in every table. No function allocates or throws.
+struct CloudKernels {
+  /// Those of the runs' points whose squared distance from `query` is at most the squared radius, in the order of the
+  /// runs; indices, squared: room for all points of the runs and 16 more. Returns their number.
+  std::size_t (*neighbours_within)(const RawPoints&, const float query[3], const PointRun* runs, std::size_t n,
+                                   float radius, std::uint32_t* indices, float* squared);
+  /// scatter: xx, xy, xz, yy, yz, zz of the points about their mean, in units of `unit` squared; n >= 1.
+  void (*neighbourhood_scatter)(const RawPoints&, const float centre[3], const std::uint32_t* indices, std::size_t n,
+                                float unit, float scatter[6]);
+  /// scatter, axes, values: arrays of n, rounded up to a multiple of 16, aligned.
+  void (*principal_axes)(const float* const scatter[6], std::size_t n, float* const axes[3], float* const values[3]);
+  /// counts: 33.
+  void (*pair_feature_counts)(const RawPoints&, std::uint32_t point, const std::uint32_t* indices, std::size_t n,
+                              std::uint32_t* counts);
+  /// histograms: rows of 48 floats, aligned; sum: 48, aligned.
+  void (*weighted_histogram_sum)(const float* histograms, const std::uint32_t* rows, const float* squared,
+                                 std::size_t n, float* sum);
+  /// Enters the distances between queries first to last - 1 and all targets into the best k of both; k >= 1.
+  void (*best_matches)(const RawDescriptors& queries, std::size_t first, std::size_t last,
+                       const RawDescriptors& targets, std::size_t k, const RawMatches& of_queries,
+                       const RawMatches& of_targets);
+};
+
+/// Bins of each of the three pair features.
+inline constexpr std::size_t kFeatureBins = 11;
+
+/// Borders of the bins on either side of the middle one: squares of 1/11, 3/11, ..., 9/11, and sines and cosines of
+/// these shares of pi.
+inline constexpr float kSquaredShares[5] = {1.0f / 121.0f, 9.0f / 121.0f, 25.0f / 121.0f, 49.0f / 121.0f,
+                                            81.0f / 121.0f};
+inline constexpr float kSines[5] = {0.281732557f, 0.755749574f, 0.989821442f, 0.909631995f, 0.540640817f};
+inline constexpr float kCosines[5] = {0.959492974f, 0.654860734f, 0.142314838f, -0.415415013f, -0.841253533f};
+
+namespace scalar {
+std::size_t neighbours_within(const RawPoints&, const float query[3], const PointRun* runs, std::size_t n, float radius,
+                              std::uint32_t* indices, float* squared);
+void neighbourhood_scatter(const RawPoints&, const float centre[3], const std::uint32_t* indices, std::size_t n,
+                           float unit, float scatter[6]);
+void principal_axes(const float* const scatter[6], std::size_t n, float* const axes[3], float* const values[3]);
+void pair_feature_counts(const RawPoints&, std::uint32_t point, const std::uint32_t* indices, std::size_t n,
+                         std::uint32_t* counts);
+void weighted_histogram_sum(const float* histograms, const std::uint32_t* rows, const float* squared, std::size_t n,
+                            float* sum);
+void best_matches(const RawDescriptors& queries, std::size_t first, std::size_t last, const RawDescriptors& targets,
+                  std::size_t k, const RawMatches& of_queries, const RawMatches& of_targets);
+
+inline constexpr CloudKernels kCloudKernels{
+    .neighbours_within = neighbours_within,
+    .neighbourhood_scatter = neighbourhood_scatter,
+    .principal_axes = principal_axes,
+    .pair_feature_counts = pair_feature_counts,
+    .weighted_histogram_sum = weighted_histogram_sum,
+    .best_matches = best_matches,
+};
+}  // namespace scalar
+
+}  // namespace consimd::detail

@@ -1,0 +1,172 @@
+#include <consimd/features/cell_grid.hpp>
+#include <consimd/features/normals.hpp>
+#include <consimd/features/point_subset.hpp>
+#include <consimd/features/voxel_grid.hpp>
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <map>
+
+#include "scene.hpp"
+
+namespace consimd::test {
+namespace {
+
+using features::CellGrid;
+
+TEST(VoxelGrid, HasTheMeanOfEachCube) {
+  const Points points = room(20000, 3);
+  const Cloud cloud = cloud_of(points);
+  const double voxel = 0.31;
+  std::array<double, 3> low{1e9, 1e9, 1e9};
+  for (std::size_t i = 0; i < cloud.size(); ++i) {
+    for (std::size_t c = 0; c < 3; ++c) low[c] = std::min(low[c], cloud.point(i)[c]);
+  }
+  std::map<std::array<long, 3>, std::pair<Eigen::Vector3d, int>> cubes;  // by z, y, x
+  for (std::size_t i = 0; i < cloud.size(); ++i) {
+    const auto p = cloud.point(i);
+    std::array<long, 3> cube{};
+    for (std::size_t c = 0; c < 3; ++c) cube[2 - c] = static_cast<long>(std::floor((p[c] - low[c]) / voxel));
+    auto& [sum, count] = cubes.try_emplace(cube, Eigen::Vector3d::Zero(), 0).first->second;
+    sum += Eigen::Map<const Eigen::Vector3d>(p.data());
+    ++count;
+  }
+  const Cloud voxels = features::voxel_grid(cloud, voxel);
+  ASSERT_EQ(voxels.size(), cubes.size());
+  EXPECT_EQ(features::occupied_voxels(cloud, voxel), cubes.size());
+  std::size_t row = 0;
+  for (const auto& [cube, content] : cubes) {
+    const auto p = voxels.point(row++);
+    EXPECT_LT((Eigen::Map<const Eigen::Vector3d>(p.data()) - content.first / content.second).norm(), 1e-5);
+  }
+}
+
+TEST(VoxelGrid, OfManyPointsIsThatOfTheirBlocks) {
+  // more points than one table takes; a quarter of a million in two places
+  Points points = room(250000, 5);
+  const Cloud voxels = features::voxel_grid(cloud_of(points), 0.5);
+  std::reverse(points.begin(), points.end());
+  const Cloud reversed = features::voxel_grid(cloud_of(points), 0.5);
+  ASSERT_EQ(voxels.size(), reversed.size());
+  for (std::size_t i = 0; i < voxels.size(); ++i) {
+    for (std::size_t c = 0; c < 3; ++c) EXPECT_NEAR(voxels.point(i)[c], reversed.point(i)[c], 1e-5);
+  }
+}
+
+TEST(VoxelGrid, NamesABadVoxel) {
+  const Cloud cloud = cloud_of(room(100, 1));
+  for (const double voxel : {0.0, -1.0, std::nan(""), std::numeric_limits<double>::infinity(), 1e-9}) {
+    EXPECT_THROW(static_cast<void>(features::voxel_grid(cloud, voxel)), std::invalid_argument) << voxel;
+  }
+  EXPECT_TRUE(features::voxel_grid(Cloud(), 1.0).empty());
+}
+
+TEST(CellGrid, FindsAllNeighbours) {
+  for (const std::size_t size : {0u, 1u, 2u, 50u, 3000u}) {
+    const Cloud cloud = cloud_of(room(size, 7));
+    const CellGrid grid(cloud, 0.6);
+    std::vector<std::uint32_t> rows;
+    for (std::uint32_t row = 0; row < grid.size(); row += 1 + row % 5) rows.push_back(row);
+    const double radius = 0.55;
+    const features::NeighbourLists lists = features::radius_neighbours(grid, rows, radius);
+    ASSERT_EQ(lists.starts.size(), rows.size() + 1);
+    for (std::size_t k = 0; k < rows.size(); ++k) {
+      const auto p = grid.cloud().point(rows[k]);
+      std::vector<std::uint32_t> expected;
+      for (std::uint32_t j = 0; j < grid.size(); ++j) {
+        const auto q = grid.cloud().point(j);
+        if (std::hypot(p[0] - q[0], p[1] - q[1], p[2] - q[2]) <= radius) expected.push_back(j);
+      }
+      const std::vector<std::uint32_t> found(lists.rows.begin() + static_cast<std::ptrdiff_t>(lists.starts[k]),
+                                             lists.rows.begin() + static_cast<std::ptrdiff_t>(lists.starts[k + 1]));
+      ASSERT_EQ(found, expected);
+      for (std::size_t e = lists.starts[k]; e < lists.starts[k + 1]; ++e) {
+        const auto q = grid.cloud().point(lists.rows[e]);
+        EXPECT_NEAR(lists.distances[e], std::hypot(p[0] - q[0], p[1] - q[1], p[2] - q[2]), 1e-5);
+      }
+    }
+  }
+}
+
+TEST(CellGrid, KeepsTrackOfItsPoints) {
+  const Cloud cloud = cloud_of(room(500, 9));
+  const CellGrid grid(cloud, 1.0);
+  for (std::size_t row = 0; row < grid.size(); ++row) {
+    EXPECT_EQ(grid.cloud().point(row), cloud.point(grid.original(row)));
+  }
+}
+
+TEST(CellGrid, NamesWhatIsWrong) {
+  const CellGrid grid(cloud_of(room(50, 1)), 1.0);
+  const std::vector<std::uint32_t> falling{2, 1}, beyond{50}, one{0};
+  EXPECT_THROW(static_cast<void>(features::radius_neighbours(grid, falling, 0.5)), std::invalid_argument);
+  EXPECT_THROW(static_cast<void>(features::radius_neighbours(grid, beyond, 0.5)), std::out_of_range);
+  EXPECT_THROW(static_cast<void>(features::radius_neighbours(grid, one, 1.5)), std::invalid_argument);
+  EXPECT_THROW(static_cast<void>(features::resolution(CellGrid(Cloud(), 1.0))), std::invalid_argument);
+}
+
+TEST(Resolution, IsTheSpacingOfALattice) {
+  Points lattice;
+  for (int i = 0; i < 4096; ++i) lattice.push_back({5e6 + 0.25 * (i % 64), 0.25 * (i / 64), 3.0});
+  EXPECT_NEAR(features::resolution(CellGrid(cloud_of(lattice), 1.0)), 0.25, 1e-5);
+  EXPECT_TRUE(std::isinf(features::resolution(CellGrid(cloud_of(lattice), 0.2))));
+}
+
+TEST(Normals, OfASphereAreItsRadii) {
+  std::mt19937 random(4);
+  Points points;
+  for (int i = 0; i < 5000; ++i) {
+    Eigen::Vector3d p(uniform(random), uniform(random), uniform(random));
+    if (p.norm() < 0.1) continue;
+    p = Eigen::Vector3d(100.0, 0.0, 0.0) + 2.0 * p.normalized();
+    points.push_back({p.x(), p.y(), p.z()});
+  }
+  CellGrid grid(cloud_of(points), 0.5);
+  features::estimate_normals(grid, {0.4, std::array<double, 3>{100.0, 0.0, 0.0}});
+  const CloudView view = grid.cloud().view();
+  for (std::size_t i = 0; i < grid.size(); ++i) {
+    const auto p = grid.cloud().point(i);
+    const Eigen::Vector3d inwards =
+        -(Eigen::Vector3d(p[0], p[1], p[2]) - Eigen::Vector3d(100.0, 0.0, 0.0)).normalized();
+    const Eigen::Vector3d normal(view.normals(0)[i], view.normals(1)[i], view.normals(2)[i]);
+    EXPECT_NEAR(normal.norm(), 1.0, 1e-5);
+    EXPECT_GT(normal.dot(inwards), 0.98);
+  }
+}
+
+TEST(Normals, WithoutAViewpointAreUpright) {
+  CellGrid grid(cloud_of(room(3000, 2)), 1.0);
+  features::estimate_normals(grid, {0.8, std::nullopt});
+  for (std::size_t i = 0; i < grid.size(); ++i) EXPECT_FALSE(grid.cloud().view().normals(2)[i] < 0.0f);
+}
+
+TEST(Normals, OfTooFewPointsAreMissing) {
+  const Points points{{0, 0, 0}, {0.1, 0, 0}, {50, 0, 0}, {90, 0, 0}, {90, 0, 0}, {90, 0, 0}};
+  CellGrid grid(cloud_of(points), 1.0);
+  features::estimate_normals(grid, {1.0, std::nullopt});
+  for (std::size_t i = 0; i < grid.size(); ++i) EXPECT_TRUE(std::isnan(grid.cloud().view().normals(0)[i])) << i;
+  EXPECT_THROW(features::estimate_normals(grid, {0.0, std::nullopt}), std::invalid_argument);
+  EXPECT_THROW(features::estimate_normals(grid, {1.0, std::array<double, 3>{0, std::nan(""), 0}}),
+               std::invalid_argument);
+}
+
+TEST(RandomSubset, IsAscendingAndFair) {
+  std::vector<int> chosen(50, 0);
+  for (std::uint64_t seed = 1; seed <= 2000; ++seed) {
+    const std::vector<std::uint32_t> rows = features::random_subset(50, 10, seed);
+    ASSERT_EQ(rows.size(), 10u);
+    EXPECT_TRUE(std::adjacent_find(rows.begin(), rows.end(), std::greater_equal<>()) == rows.end());
+    for (const std::uint32_t row : rows) ++chosen.at(row);
+  }
+  // 400 expected, standard deviation 18
+  for (const int count : chosen) EXPECT_NEAR(count, 400, 90);
+  EXPECT_EQ(features::random_subset(5, 10, 1).size(), 5u);
+  EXPECT_TRUE(features::random_subset(0, 10, 1).empty());
+  EXPECT_EQ(features::random_subset(1000, 10, 3), features::random_subset(1000, 10, 3));
+}
+
+}  // namespace
+}  // namespace consimd::test

@@ -1,0 +1,391 @@
+// The kernels on clouds and descriptors: every instruction set against the specification, bit for bit, and the
+// specification against textbook forms.
+#include <consimd/kernels/descriptor_matches.hpp>
+#include <consimd/kernels/neighbourhoods.hpp>
+#include <consimd/kernels/pair_features.hpp>
+
+#include <Eigen/Eigenvalues>
+
+#include <algorithm>
+#include <cstring>
+#include <numbers>
+#include <numeric>
+
+#include "raw_cloud.hpp"
+
+namespace consimd::test {
+namespace {
+
+class CloudKernels : public PerIsa {
+ protected:
+  const detail::CloudKernels& kernels() const { return table().clouds; }
+  static const detail::CloudKernels& specification() { return detail::table_of(Isa::scalar).clouds; }
+};
+CONSIMD_FOR_EACH_ISA(CloudKernels);
+
+/// Bits of floats, every NaN as the same one: which of two NaNs an operation keeps is the processor's choice.
+std::vector<std::uint32_t> bits_of(const float* values, std::size_t n) {
+  std::vector<std::uint32_t> bits(n);
+  std::transform(values, values + n, bits.begin(),
+                 [](float value) { return std::isnan(value) ? 0x7fc00000u : std::bit_cast<std::uint32_t>(value); });
+  return bits;
+}
+
+/// Points and normals of a RawCloud (its two sides), padded as a Cloud's are.
+class RawPointCloud {
+ public:
+  RawPointCloud(const RawCloud& cloud, bool unit_normals) {
+    constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
+    for (int row = 0; row < 6; ++row) rows_.emplace_back(cloud.padded() + 64, kNan);
+    const detail::RawView view = cloud.view();
+    for (std::size_t j = 0; j < cloud.size(); ++j) {
+      for (std::size_t axis = 0; axis < 3; ++axis) {
+        rows_[axis][j] = view.source[axis][j];
+        rows_[3 + axis][j] = view.target[axis][j];
+      }
+      if (unit_normals) normalise(j);
+    }
+    size_ = cloud.size();
+  }
+
+  detail::RawPoints view() const {
+    return {{rows_[0].data(), rows_[1].data(), rows_[2].data()},
+            {rows_[3].data(), rows_[4].data(), rows_[5].data()},
+            size_};
+  }
+
+ private:
+  void normalise(std::size_t j) {
+    const float length = std::hypot(rows_[3][j], rows_[4][j], rows_[5][j]);
+    for (std::size_t axis = 3; axis < 6; ++axis) rows_[axis][j] /= length;
+  }
+
+  std::vector<ExactArray<float>> rows_;
+  std::size_t size_;
+};
+
+/// Runs check(points, cloud, bound) for every kind of number and every length up to four words.
+template <typename Check>
+void for_every_point_cloud(Check check) {
+  for_every_cloud([&](RawCloud& cloud, float bound) {
+    const RawPointCloud points(cloud, cloud.size() % 2 == 0);
+    check(points.view(), cloud, bound);
+  });
+}
+
+std::vector<std::uint32_t> any_indices(RawCloud& cloud) {
+  std::vector<std::uint32_t> indices(cloud.size() == 0 ? 0 : cloud.random()() % (cloud.size() + 1));
+  for (auto& index : indices) index = cloud.any_index();
+  return indices;
+}
+
+TEST_P(CloudKernels, NeighboursEqualTheSpecification) {
+  for_every_point_cloud([&](const detail::RawPoints& points, RawCloud& cloud, float bound) {
+    const auto size = static_cast<std::uint32_t>(cloud.size());
+    const std::uint32_t middle = size == 0 ? 0 : cloud.any_index();
+    const std::vector<PointRun> runs{{0, middle}, {middle, middle}, {middle, size}, {size / 3, size / 2}};
+    const float query[3] = {size == 0 ? 0.0f : points.points[0][middle], 0.125f * bound, 0.0f};
+    ExactArray<std::uint32_t> indices(2 * size + 16), expected_indices(2 * size + 16);
+    ExactArray<float> squared(2 * size + 16), expected_squared(2 * size + 16);
+    const std::size_t count = kernels().neighbours_within(points, query, runs.data(), runs.size(), 2.0f * bound,
+                                                          indices.data(), squared.data());
+    const std::size_t expected = specification().neighbours_within(
+        points, query, runs.data(), runs.size(), 2.0f * bound, expected_indices.data(), expected_squared.data());
+    ASSERT_EQ(count, expected);
+    ASSERT_TRUE(std::equal(indices.data(), indices.data() + count, expected_indices.data()));
+    ASSERT_EQ(bits_of(squared.data(), count), bits_of(expected_squared.data(), count));
+  });
+}
+
+TEST_P(CloudKernels, ScattersEqualTheSpecification) {
+  for_every_point_cloud([&](const detail::RawPoints& points, RawCloud& cloud, float bound) {
+    const std::vector<std::uint32_t> indices = any_indices(cloud);
+    if (indices.empty()) return;
+    const float centre[3] = {0.0f, bound, points.points[2][indices[0]]};
+    float scatter[6];
+    float expected[6];
+    kernels().neighbourhood_scatter(points, centre, indices.data(), indices.size(), bound, scatter);
+    specification().neighbourhood_scatter(points, centre, indices.data(), indices.size(), bound, expected);
+    ASSERT_EQ(bits_of(scatter, 6), bits_of(expected, 6));
+  });
+}
+
+TEST_P(CloudKernels, AxesEqualTheSpecification) {
+  for_every_point_cloud([&](const detail::RawPoints& points, RawCloud& cloud, float) {
+    const std::size_t n = cloud.size();
+    const std::size_t room = (n + 15) / 16 * 16;
+    std::vector<ExactArray<float>> entries, axes, expected;
+    for (int k = 0; k < 6; ++k) {
+      entries.emplace_back(room);
+      axes.emplace_back(room);
+      expected.emplace_back(room);
+      const float* from = k < 3 ? points.points[k] : points.normals[k - 3];
+      std::copy_n(from, n, entries.back().data());
+    }
+    const float* const in[6] = {entries[0].data(), entries[1].data(), entries[2].data(),
+                                entries[3].data(), entries[4].data(), entries[5].data()};
+    const auto run = [&](const detail::CloudKernels& set, std::vector<ExactArray<float>>& out) {
+      float* const smallest[3] = {out[0].data(), out[1].data(), out[2].data()};
+      float* const values[3] = {out[3].data(), out[4].data(), out[5].data()};
+      set.principal_axes(in, n, smallest, values);
+    };
+    run(kernels(), axes);
+    run(specification(), expected);
+    for (std::size_t k = 0; k < 6; ++k) ASSERT_EQ(bits_of(axes[k].data(), n), bits_of(expected[k].data(), n));
+  });
+}
+
+TEST_P(CloudKernels, PairFeaturesEqualTheSpecification) {
+  for_every_point_cloud([&](const detail::RawPoints& points, RawCloud& cloud, float) {
+    if (cloud.size() == 0) return;
+    const std::vector<std::uint32_t> indices = any_indices(cloud);
+    const std::uint32_t point = cloud.any_index();
+    ExactArray<std::uint32_t> counts(kPairFeatureBins, 7), expected(kPairFeatureBins, 8);
+    kernels().pair_feature_counts(points, point, indices.data(), indices.size(), counts.data());
+    specification().pair_feature_counts(points, point, indices.data(), indices.size(), expected.data());
+    ASSERT_EQ(counts.values(), expected.values());
+  });
+}
+
+TEST_P(CloudKernels, HistogramSumsEqualTheSpecification) {
+  for_every_point_cloud([&](const detail::RawPoints& points, RawCloud& cloud, float) {
+    const std::size_t table_rows = cloud.size() / 48;
+    std::vector<std::uint32_t> rows(table_rows == 0 ? 0 : cloud.size() % 29);
+    for (auto& row : rows) row = cloud.any_index() % static_cast<std::uint32_t>(table_rows);
+    ExactArray<float> histograms(48 * table_rows), squared(rows.size()), sum(48, 7.0f), expected(48, 8.0f);
+    std::copy_n(points.points[0], 48 * table_rows, histograms.data());
+    for (std::size_t j = 0; j < rows.size(); ++j) squared[j] = std::fabs(points.points[1][j]);
+    kernels().weighted_histogram_sum(histograms.data(), rows.data(), squared.data(), rows.size(), sum.data());
+    specification().weighted_histogram_sum(histograms.data(), rows.data(), squared.data(), rows.size(),
+                                           expected.data());
+    ASSERT_EQ(bits_of(sum.data(), 48), bits_of(expected.data(), 48));
+  });
+}
+
+std::vector<float> random_descriptors(std::mt19937& random, std::size_t size, std::size_t length, bool tied) {
+  std::vector<float> values(size * length);
+  for (float& value : values) value = tied ? static_cast<float>(random() % 3) : uniform(random);
+  return values;
+}
+
+std::vector<std::uint32_t> listed(const BestMatches& matches) {
+  std::vector<std::uint32_t> list;
+  for (std::size_t i = 0; i < matches.size(); ++i) {
+    for (std::size_t rank = 0; rank < matches.k(); ++rank) {
+      list.push_back(matches.index(i, rank));
+      list.push_back(static_cast<std::uint32_t>(matches.squared_distance(i, rank)));
+    }
+  }
+  return list;
+}
+
+/// The k nearest of `targets` by sorting all.
+std::vector<std::uint32_t> nearest(const std::vector<std::vector<std::int32_t>>& queries,
+                                   const std::vector<std::vector<std::int32_t>>& targets, std::size_t k) {
+  std::vector<std::uint32_t> list;
+  for (const auto& query : queries) {
+    std::vector<std::pair<std::int32_t, std::uint32_t>> all;
+    for (std::uint32_t j = 0; j < targets.size(); ++j) {
+      std::int32_t sum = 0;
+      for (std::size_t c = 0; c < query.size(); ++c) sum += (query[c] - targets[j][c]) * (query[c] - targets[j][c]);
+      all.emplace_back(sum, j);
+    }
+    std::sort(all.begin(), all.end());
+    all.resize(std::max(all.size(), k), {std::numeric_limits<std::int32_t>::max(), BestMatches::kNone});
+    for (std::size_t rank = 0; rank < k; ++rank) {
+      list.push_back(all[rank].second);
+      list.push_back(static_cast<std::uint32_t>(all[rank].first));
+    }
+  }
+  return list;
+}
+
+std::vector<std::vector<std::int32_t>> in_units(const std::vector<float>& values, std::size_t length, double unit) {
+  std::vector<std::vector<std::int32_t>> rows(values.size() / length);
+  for (std::size_t i = 0; i < rows.size(); ++i) {
+    for (std::size_t c = 0; c < length; ++c) {
+      rows[i].push_back(static_cast<std::int32_t>(std::nearbyint(static_cast<double>(values[i * length + c]) / unit)));
+    }
+  }
+  return rows;
+}
+
+TEST_P(CloudKernels, MatchesAreTheNearest) {
+  set_active_isa(GetParam());
+  std::mt19937 random(5);
+  for (const std::size_t length : {1u, 2u, 32u, 33u, 256u}) {
+    for (std::size_t size = 0; size < 70; size = size < 34 ? size + 1 : size + 7) {
+      for (const bool tied : {false, true}) {
+        const std::size_t others = random() % 50;
+        const std::size_t k = 1 + random() % 8;
+        const std::vector<float> a = random_descriptors(random, size, length, tied);
+        const std::vector<float> b = random_descriptors(random, others, length, tied);
+        const double unit =
+            FixedPointDescriptors::unit_for((tied ? 2.0 : 1.0) * std::sqrt(static_cast<double>(length)), length);
+        const FixedPointDescriptors queries(a, length, unit), targets(b, length, unit);
+        BestMatches of_queries(size, k), of_targets(others, k);
+        best_matches(queries, 0, size / 2, targets, of_queries, of_targets);
+        best_matches(queries, size / 2, size, targets, of_queries, of_targets);
+        const auto whole_a = in_units(a, length, unit), whole_b = in_units(b, length, unit);
+        ASSERT_EQ(listed(of_queries), nearest(whole_a, whole_b, k)) << length << " " << size << " " << others;
+        ASSERT_EQ(listed(of_targets), nearest(whole_b, whole_a, k)) << length << " " << size << " " << others;
+
+        BestMatches late_queries(size, k), late(others, k), early(others, k);
+        best_matches(queries, size / 3, size, targets, late_queries, late);
+        best_matches(queries, 0, size / 3, targets, late_queries, early);
+        late.merge(early);
+        ASSERT_EQ(listed(late), listed(of_targets));
+      }
+    }
+  }
+}
+
+TEST_P(CloudKernels, DistancesReachTheirLimitWithoutOverflow) {
+  set_active_isa(GetParam());
+  std::vector<float> values(2 * 33, 0.0f);
+  values[0] = 100.0f;
+  values[33] = -100.0f;
+  const double unit = FixedPointDescriptors::unit_for(100.0, 33);
+  const FixedPointDescriptors descriptors(values, 33, unit);
+  BestMatches a(2, 2), b(2, 2);
+  best_matches(descriptors, 0, 2, descriptors, a, b);
+  EXPECT_EQ(a.index(0, 0), 0u);
+  EXPECT_EQ(a.squared_distance(0, 0), 0);
+  EXPECT_EQ(a.index(0, 1), 1u);
+  EXPECT_NEAR(std::sqrt(a.squared_distance(0, 1)) * unit, 200.0, 0.02);
+}
+
+TEST_P(CloudKernels, AxesAreEigenvectors) {
+  set_active_isa(GetParam());
+  std::mt19937 random(9);
+  ScatterBatch scatter{};
+  PrincipalAxes axes{};
+  for (int trial = 0; trial < 50; ++trial) {
+    std::vector<Eigen::Matrix3f> matrices;
+    for (std::size_t i = 0; i < ScatterBatch::kSize; ++i) {
+      Eigen::Matrix3f m = Eigen::Matrix3f::NullaryExpr([&] { return uniform(random); });
+      if (trial % 3 == 1) m.row(2) *= 1e-3f;
+      if (trial % 3 == 2) m.row(1) = 1e-4f * m.row(1);
+      m = (m.transpose() * m).eval();
+      if (i == 0) m = Eigen::Matrix3f::Identity();
+      if (i == 1) m.setZero();
+      matrices.push_back(m);
+      const float entries[6] = {m(0, 0), m(0, 1), m(0, 2), m(1, 1), m(1, 2), m(2, 2)};
+      for (int k = 0; k < 6; ++k) scatter.entries[k][i] = entries[k];
+    }
+    principal_axes(scatter, ScatterBatch::kSize, axes);
+    for (std::size_t i = 0; i < ScatterBatch::kSize; ++i) {
+      const Eigen::Matrix3d m = matrices[i].cast<double>();
+      const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> expected(m);
+      const Eigen::Vector3d axis(axes.smallest_axes[0][i], axes.smallest_axes[1][i], axes.smallest_axes[2][i]);
+      const double tolerance = 4e-6 * expected.eigenvalues()[2];
+      EXPECT_NEAR(axis.norm(), 1.0, 2e-6);
+      EXPECT_LE((m * axis - expected.eigenvalues()[0] * axis).norm(), tolerance);
+      for (int k = 0; k < 3; ++k) EXPECT_NEAR(double{axes.values[k][i]}, expected.eigenvalues()[k], tolerance);
+    }
+  }
+}
+
+/// The three features as the paper writes them, in double; nothing where there is no frame.
+std::optional<Eigen::Vector3d> textbook_features(const Eigen::Vector3d& p1, const Eigen::Vector3d& n1,
+                                                 const Eigen::Vector3d& p2, const Eigen::Vector3d& n2) {
+  Eigen::Vector3d d = p2 - p1;
+  Eigen::Vector3d source = n1, target = n2;
+  if (std::abs(n1.dot(d)) < std::abs(n2.dot(d))) {
+    d = -d;
+    std::swap(source, target);
+  }
+  const Eigen::Vector3d v = d.cross(source);
+  if (d.norm() == 0.0 || v.norm() == 0.0) return std::nullopt;
+  const Eigen::Vector3d w = source.cross(v.normalized());
+  return Eigen::Vector3d(std::atan2(w.dot(target), source.dot(target)) / std::numbers::pi, v.normalized().dot(target),
+                         source.dot(d.normalized()));
+}
+
+TEST(PairFeatures, AreThePapersAwayFromTheBordersOfBins) {
+  std::mt19937 random(11);
+  constexpr std::uint32_t kSize = 3000;
+  Eigen::Matrix3Xf points = Eigen::Matrix3Xf::NullaryExpr(3, kSize, [&] { return uniform(random); });
+  Eigen::Matrix3Xf normals = Eigen::Matrix3Xf::NullaryExpr(3, kSize, [&] { return uniform(random); });
+  normals.colwise().normalize();
+  Cloud cloud(PointSpan<float>::interleaved(points.data(), kSize));
+  const Eigen::MatrixX3f columns = normals.transpose();
+  cloud.set_normals({columns.data(), columns.data() + kSize, columns.data() + 2 * kSize});
+  std::uint32_t compared = 0;
+  for (std::uint32_t j = 1; j < kSize; ++j) {
+    const auto features = textbook_features(points.col(0).cast<double>(), normals.col(0).cast<double>(),
+                                            points.col(j).cast<double>(), normals.col(j).cast<double>());
+    ASSERT_TRUE(features);
+    const Eigen::Array3d places = 11.0 * (*features + Eigen::Vector3d::Ones()).array() / 2.0;
+    if (((places - places.round()).abs() < 1e-3).any()) continue;
+    std::array<std::uint32_t, kPairFeatureBins> counts{}, expected{};
+    for (std::size_t f = 0; f < 3; ++f) ++expected[11 * f + static_cast<std::size_t>(places[static_cast<int>(f)])];
+    pair_feature_counts(cloud, 0, std::span(&j, 1), counts);
+    ASSERT_EQ(counts, expected) << features->transpose();
+    ++compared;
+  }
+  EXPECT_GT(compared, kSize * 9 / 10);
+}
+
+TEST(PairFeatures, OfAPairWithoutAFrameAreNotCounted) {
+  // a pair of no length, one along both normals, one without a normal, and a proper one
+  const std::array<float, 15> points{0, 0, 0, 0, 0, 0, 0, 0, 1, 1, 1, 0, 1, 0, 0};
+  Cloud cloud(PointSpan<float>::interleaved(points.data(), 5));
+  const float nan = std::numeric_limits<float>::quiet_NaN();
+  const std::array<float, 5> x{0, 0, 0, nan, 0}, y{0, 0, 0, nan, 0}, z{1, 1, 1, nan, 1};
+  const std::vector<std::uint32_t> indices{0, 1, 2, 3, 4};
+  std::array<std::uint32_t, kPairFeatureBins> counts{};
+  EXPECT_THROW(pair_feature_counts(cloud, 0, indices, counts), std::invalid_argument);
+  cloud.set_normals({x.data(), y.data(), z.data()});
+  pair_feature_counts(cloud, 0, indices, counts);
+  EXPECT_EQ(std::accumulate(counts.begin(), counts.end(), 0u), 3u);
+  for (const std::size_t f : {0u, 1u, 2u}) EXPECT_EQ(counts[11 * f + 5], 1u);
+  const std::uint32_t beyond = 5;
+  EXPECT_THROW(pair_feature_counts(cloud, 0, std::span(&beyond, 1), counts), std::out_of_range);
+}
+
+TEST(FixedPointDescriptors, NameWhatIsWrong) {
+  std::vector<float> values(66, 1.0f);
+  EXPECT_THROW(FixedPointDescriptors(values, 0, 1.0), std::invalid_argument);
+  EXPECT_THROW(FixedPointDescriptors(values, 7, 1.0), std::invalid_argument);
+  EXPECT_THROW(FixedPointDescriptors(values, 33, 1e-5), std::invalid_argument);
+  EXPECT_THROW(FixedPointDescriptors(values, 33, std::nan("")), std::invalid_argument);
+  values[40] = std::numeric_limits<float>::quiet_NaN();
+  try {
+    FixedPointDescriptors(values, 33, 1.0);
+    FAIL();
+  } catch (const std::invalid_argument& error) {
+    EXPECT_NE(std::string(error.what()).find("descriptor 1: component 7"), std::string::npos) << error.what();
+  }
+  EXPECT_THROW(BestMatches(3, 9), std::invalid_argument);
+  EXPECT_THROW(BestMatches(3, 0), std::invalid_argument);
+}
+
+TEST(Cloud, LeavesOutRowsWithoutAPlace) {
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  const std::array<double, 15> rows{
+      1, 2, 3, nan, 0, 0, 0, 0, 0, 5, 2, 0, 0, 0, std::numeric_limits<double>::infinity()};
+  const Cloud cloud(PointSpan<double>::interleaved(rows.data(), 5), 0.0);
+  EXPECT_EQ(cloud.size(), 2u);
+  EXPECT_EQ(cloud.left_out(), 3u);
+  EXPECT_EQ(cloud.input_row(1), 3u);
+  EXPECT_EQ(cloud.point(1), (std::array<double, 3>{5, 2, 0}));
+  EXPECT_EQ(Cloud(PointSpan<double>::interleaved(rows.data(), 5)).size(), 3u);
+  EXPECT_TRUE(Cloud(PointSpan<double>::interleaved(rows.data() + 3, 1)).empty());
+}
+
+TEST(Cloud, KeepsMapCoordinates) {
+  std::mt19937 random(2);
+  std::vector<double> rows(3000);
+  for (double& x : rows) x = 5e6 + 50.0 * static_cast<double>(uniform(random));
+  const Cloud cloud(PointSpan<double>::planar(rows.data(), 1000));
+  for (std::size_t i = 0; i < 1000; ++i) {
+    for (std::size_t c = 0; c < 3; ++c) EXPECT_NEAR(cloud.point(i)[c], rows[1000 * c + i], 1e-5);
+  }
+  const Cloud chosen = cloud.subset(std::vector<std::uint32_t>{7, 7, 3});
+  EXPECT_EQ(chosen.point(2), cloud.point(3));
+  EXPECT_THROW(cloud.subset(std::vector<std::uint32_t>{1000}), std::out_of_range);
+}
+
+}  // namespace
+}  // namespace consimd::test
