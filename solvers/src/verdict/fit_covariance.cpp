@@ -51,7 +51,7 @@ double residual_variance(const RigidMoments& moments, const RobustWeight& weight
 
 }  // namespace
 
-ScaleFit fit_scale(const RigidMoments& moments, const RobustWeight& weight, const RigidTransform& pose) {
+ScaleFit fit_scale(const RigidMoments& moments, const RobustWeight& weight, const RigidTransform& pose, double shared) {
   ScaleFit fit;
   if (!(moments.weight > 0.0)) return fit;
   const Eigen::Vector3d source = Eigen::Map<const Eigen::Vector3d>(moments.source) / moments.weight;
@@ -62,16 +62,16 @@ ScaleFit fit_scale(const RigidMoments& moments, const RobustWeight& weight, cons
   fit.centre = source;
   if (!(extent > moments.weight * kResolution * kResolution)) return fit;
   fit.scale = pose.linear().cwiseProduct(cross).sum() / extent;
-  fit.deviation = std::sqrt(residual_variance(moments, weight) / extent);
+  fit.deviation = std::sqrt(shared * residual_variance(moments, weight) / extent);
   return fit;
 }
 
 PoseCovariance fit_covariance(const RigidMoments& moments, const RobustWeight& weight, const RigidTransform& pose,
-                              const Correspondences& frame) {
+                              const Correspondences& frame, double shared) {
   PoseCovariance covariance = PoseCovariance::Zero();
   const double w = moments.weight;
   if (!(w > 0.0)) return covariance;
-  const double variance = residual_variance(moments, weight);
+  const double variance = shared * residual_variance(moments, weight);
 
   // About the weighted centroid rotation and translation are independent.
   const Eigen::Vector3d centroid = Eigen::Map<const Eigen::Vector3d>(moments.source) / w;

@@ -9,7 +9,7 @@ namespace consimd::detail {
 
 /// Covariance, in the caller's frame and unit, of the fit to `moments` = robust_moments(., ., weight) of
 /// correspondences in the working frame of `frame`. `pose`: that fit, working frame. Zero if the moments have no
-/// weight.
+/// weight. `shared`: by what errors that supporters share multiply it (see shared_errors.hpp).
 ///
 /// The sandwich A^-1 B A^-1 of an M-estimator (Huber 1967), for isotropic residuals that do not depend on the position:
 /// both A and B are multiples of the weighted normal matrix. The observed mean square of the residuals scales B; what
@@ -18,7 +18,7 @@ namespace consimd::detail {
 /// as plain least squares. With a total weight of w, 3 w residuals share six fitted parameters: the result is the
 /// covariance of the Student distribution that the pose then has, 3 w / (3 w - 8) times the maximum-likelihood one.
 PoseCovariance fit_covariance(const RigidMoments& moments, const RobustWeight& weight, const RigidTransform& pose,
-                              const Correspondences& frame);
+                              const Correspondences& frame, double shared);
 
 /// The scale of the sources about `centre`, their weighted mean, that fits the same moments best in the least-squares
 /// sense, and its standard deviation as above. About that mean it is independent of rotation and translation. Working
@@ -28,6 +28,6 @@ struct ScaleFit {
   double deviation = 0.0;
   Eigen::Matrix<double, 3, 1, Eigen::DontAlign> centre = Eigen::Matrix<double, 3, 1, Eigen::DontAlign>::Zero();
 };
-ScaleFit fit_scale(const RigidMoments& moments, const RobustWeight& weight, const RigidTransform& pose);
+ScaleFit fit_scale(const RigidMoments& moments, const RobustWeight& weight, const RigidTransform& pose, double shared);
 
 }  // namespace consimd::detail

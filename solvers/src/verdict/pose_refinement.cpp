@@ -14,6 +14,7 @@
 #include "support/row_blocks.hpp"
 #include "verdict/fit_covariance.hpp"
 #include "verdict/residual_mixture.hpp"
+#include "verdict/shared_errors.hpp"
 
 namespace consimd {
 namespace {
@@ -91,8 +92,9 @@ RefinedPose refine_within(const Correspondences& correspondences, const WorkingP
   refined.exponent = mixture.exponent;
   refined.outlier_density = mixture.outlier_density;
   refined.inliers = mixture.inliers;
-  refined.covariance = detail::fit_covariance(moments, weight, refined.fit.pose, correspondences);
-  const detail::ScaleFit scale = detail::fit_scale(moments, weight, refined.fit.pose);
+  const double shared = detail::shared_error_factor(view, weight, moments, refined.fit.pose);
+  refined.covariance = detail::fit_covariance(moments, weight, refined.fit.pose, correspondences, shared);
+  const detail::ScaleFit scale = detail::fit_scale(moments, weight, refined.fit.pose, shared);
   refined.scale = scale.scale;
   refined.scale_deviation = scale.deviation;
   refined.centre = scale.centre;
