@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import enum
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, NamedTuple, overload
+from typing import TYPE_CHECKING, Any, Literal, NamedTuple, overload
 
 from consimd import _core
 from consimd._core import Correspondences
@@ -103,6 +103,25 @@ class Registration:
     def has_pose(self) -> bool:
         """Whether `pose` is an estimate: the status is success, ambiguous or budget_exhausted."""
         return self.status in (Status.SUCCESS, Status.AMBIGUOUS, Status.BUDGET_EXHAUSTED)
+
+    def edge_information(self, library: Literal["gtsam", "g2o", "open3d"]) -> NDArray[np.float64]:
+        """(6, 6), the information matrix of a pose graph's edge: the inverse of the covariance of the error that the
+        library takes for it, first order in the rotation. The edge leads from the target's pose to the source's and
+        measures `pose`; the error is of D = inverse(pose) @ inverse(X_target) @ X_source, on the right side of the
+        measurement, so along the axes of the source frame.
+
+        "gtsam": BetweenFactorPose3(target, source, Pose3(pose), noiseModel.Gaussian.Information(...)): Pose3.Logmap(D),
+            rotation vector (rad) before translation.
+        "g2o": EDGE_SE3:QUAT target source: translation before the vector part of the unit quaternion of D, half the
+            rotation vector. The file has its upper triangle, row by row.
+        "open3d": PoseGraphEdge(source, target, pose, information): the sine of the rotation before the translation of
+            D, as its global optimisation computes it. (Open3D's get_information_matrix_from_point_clouds counts points
+            about the target's origin instead.)
+
+        ValueError where `covariance` is not positive definite: there is no pose, it was not estimated, or the sources
+        are so far from their origin that lever arms leave no digits.
+        """
+        return _core.edge_information(self.pose, self.covariance, library)
 
     def __repr__(self) -> str:
         found = (

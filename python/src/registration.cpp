@@ -1,6 +1,7 @@
 // Registration by any solver.
 #include <consimd/solvers/registration.hpp>
 
+#include <array>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -11,16 +12,26 @@
 #include <nanobind/stl/string_view.h>
 #include <nanobind/stl/vector.h>
 
+#include <consimd/solvers/edge_information.hpp>
 #include <consimd/solvers/noise_bound.hpp>
 #include <consimd/solvers/solver.hpp>
 
+#include "array_arguments.hpp"
 #include "array_results.hpp"
 #include "bindings.hpp"
 #include "interruptible_call.hpp"
+#include "named_values.hpp"
 #include "solver_options.hpp"
 #include "threads.hpp"
 
 namespace consimd::python {
+
+template <>
+struct NamedValues<PoseGraphLibrary> {
+  static constexpr std::array kValues{Named{"gtsam", PoseGraphLibrary::gtsam}, Named{"g2o", PoseGraphLibrary::g2o},
+                                      Named{"open3d", PoseGraphLibrary::open3d}};
+};
+
 namespace {
 
 nb::list to_list(const std::vector<StageReport>& stages) {
@@ -100,12 +111,21 @@ nb::tuple estimate(const SharedCorrespondences& correspondences, std::uint64_t s
   return nb::make_tuple(result.noise_bound, result.log10_false_poses, result.bounds_tried);
 }
 
+Array<double, 6, 6> information_of(
+    ArrayLike pose, const nb::ndarray<const double, nb::shape<6, 6>, nb::c_contig, nb::device::cpu>& covariance,
+    std::string_view library) {
+  const PoseCovariance of_pose = Eigen::Map<const Eigen::Matrix<double, 6, 6, Eigen::RowMajor>>(covariance.data());
+  return to_array(
+      edge_information(transform_from(pose, "pose"), of_pose, value_named<PoseGraphLibrary>(library, "library")));
+}
+
 }  // namespace
 
 void bind_registration(nb::module_& module) {
   module.def("run_solver", &run_solver, nb::arg("correspondences"), nb::arg("solver"), nb::arg("noise_bound").none(),
              nb::arg("seed"), nb::arg("filter"), nb::arg("threads").none(), nb::arg("options"));
   module.def("estimate_noise_bound", &estimate, nb::arg("correspondences"), nb::arg("seed"), nb::arg("threads").none());
+  module.def("edge_information", &information_of, nb::arg("pose"), nb::arg("covariance"), nb::arg("library"));
   module.def("describe_options", &describe_options, nb::arg("solver"));
   module.def("solvers", [] {
     nb::dict all;

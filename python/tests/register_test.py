@@ -102,6 +102,24 @@ def test_options_reach_their_solver(problem):
         register("teaser", matrix_budget_bytes=10)
 
 
+def test_information_of_an_edge(problem):
+    result = consimd.register(problem.source, problem.target, 1.5)
+    rotation = result.pose[:3, :3].T
+    turn = np.zeros((6, 6))
+    turn[:3, :3] = turn[3:, 3:] = rotation
+    gtsam = np.linalg.inv(turn @ result.covariance @ turn.T)
+    order = [3, 4, 5, 0, 1, 2]
+    half = np.diag([1, 1, 1, 2, 2, 2])
+    for library, expected in (("gtsam", gtsam), ("open3d", gtsam), ("g2o", half @ gtsam[np.ix_(order, order)] @ half)):
+        information = result.edge_information(library)
+        assert information.shape == (6, 6) and np.array_equal(information, information.T)
+        assert np.linalg.norm(information - expected) < 1e-6 * np.linalg.norm(expected)
+    with pytest.raises(ValueError, match="library is 'ceres', expected one of: gtsam, g2o, open3d"):
+        result.edge_information("ceres")
+    with pytest.raises(ValueError, match="covariance is zero"):
+        consimd.register(problem.source[:2], problem.target[:2], 1.5).edge_information("gtsam")
+
+
 def test_unknown_and_bad_options_are_named(problem):
     register = lambda *args, **options: consimd.register(problem.source, problem.target, 1.5, *args, **options)
     with pytest.raises(

@@ -18,6 +18,7 @@ assert_type(result, consimd.Registration)
 assert_type(result.status, consimd.Status)
 assert_type(result.pose, NDArray[np.float64])
 assert_type(result.inliers, NDArray[np.int64])
+assert_type(result.edge_information("g2o"), NDArray[np.float64])
 assert_type(result.stages[0].seconds, float)
 if result.runner_up is not None:
     assert_type(result.runner_up.support, int)
