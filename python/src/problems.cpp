@@ -26,16 +26,19 @@ namespace consimd::python {
 
 template <>
 struct NamedValues<synth::Scene> {
-  static constexpr std::array kValues{Named{"volume", synth::Scene::volume}, Named{"planar", synth::Scene::planar},
-                                      Named{"linear", synth::Scene::linear}};
+  static constexpr std::array kValues{Named{"volume", synth::Scene::volume},     Named{"planar", synth::Scene::planar},
+                                      Named{"linear", synth::Scene::linear},     Named{"rings", synth::Scene::rings},
+                                      Named{"poles", synth::Scene::poles},       Named{"lines", synth::Scene::lines},
+                                      Named{"corridor", synth::Scene::corridor}, Named{"room", synth::Scene::room},
+                                      Named{"facade", synth::Scene::facade},     Named{"grid", synth::Scene::grid}};
 };
 
 template <>
 struct NamedValues<synth::OutlierModel> {
   static constexpr std::array kValues{
-      Named{"uniform", synth::OutlierModel::uniform}, Named{"permuted", synth::OutlierModel::permuted},
-      Named{"clustered", synth::OutlierModel::clustered}, Named{"one_to_many", synth::OutlierModel::one_to_many},
-      Named{"many_to_many", synth::OutlierModel::many_to_many}};
+      Named{"uniform", synth::OutlierModel::uniform},           Named{"permuted", synth::OutlierModel::permuted},
+      Named{"clustered", synth::OutlierModel::clustered},       Named{"one_to_many", synth::OutlierModel::one_to_many},
+      Named{"many_to_many", synth::OutlierModel::many_to_many}, Named{"alike", synth::OutlierModel::alike}};
 };
 
 template <>
@@ -57,11 +60,11 @@ Problem noise_study(std::size_t correspondences, double outlier_ratio, double si
 }
 
 Problem hard(std::size_t correspondences, double outlier_ratio, double sigma, double half_extent, std::uint64_t seed,
-             std::uint64_t trial, std::string_view scene, double thickness, std::string_view outliers,
-             std::size_t clusters, double cluster_sigma, std::size_t matches_per_point, double decoy_share,
-             bool symmetric, std::string_view noise, unsigned degrees_of_freedom, std::size_t duplicates, bool mirrored,
-             double quantum, std::array<double, 3> source_offset, std::array<double, 3> target_offset,
-             double units_per_metre) {
+             std::uint64_t trial, std::string_view scene, double thickness, std::size_t parts,
+             std::string_view outliers, std::size_t clusters, double cluster_sigma, std::size_t matches_per_point,
+             double decoy_share, bool symmetric, std::string_view noise, unsigned degrees_of_freedom,
+             std::size_t duplicates, bool mirrored, double quantum, std::array<double, 3> source_offset,
+             std::array<double, 3> target_offset, double units_per_metre) {
   const HardProblemOptions options{.correspondences = correspondences,
                                    .outlier_ratio = outlier_ratio,
                                    .sigma = sigma,
@@ -70,6 +73,7 @@ Problem hard(std::size_t correspondences, double outlier_ratio, double sigma, do
                                    .trial = trial,
                                    .scene = value_named<synth::Scene>(scene, "scene"),
                                    .thickness = thickness,
+                                   .parts = parts,
                                    .outliers = value_named<synth::OutlierModel>(outliers, "outliers"),
                                    .clusters = clusters,
                                    .cluster_sigma = cluster_sigma,
@@ -197,16 +201,25 @@ void bind_problems(nb::module_& module) {
       "hard_problem", &hard, nb::kw_only(), nb::arg("correspondences") = d.correspondences,
       nb::arg("outlier_ratio") = d.outlier_ratio, nb::arg("sigma") = d.sigma, nb::arg("half_extent") = d.half_extent,
       nb::arg("seed") = d.seed, nb::arg("trial") = d.trial, nb::arg("scene") = name_of(d.scene),
-      nb::arg("thickness") = d.thickness, nb::arg("outliers") = name_of(d.outliers), nb::arg("clusters") = d.clusters,
-      nb::arg("cluster_sigma") = d.cluster_sigma, nb::arg("matches_per_point") = d.matches_per_point,
-      nb::arg("decoy_share") = d.decoy_share, nb::arg("symmetric") = d.symmetric, nb::arg("noise") = name_of(d.noise),
+      nb::arg("thickness") = d.thickness, nb::arg("parts") = d.parts, nb::arg("outliers") = name_of(d.outliers),
+      nb::arg("clusters") = d.clusters, nb::arg("cluster_sigma") = d.cluster_sigma,
+      nb::arg("matches_per_point") = d.matches_per_point, nb::arg("decoy_share") = d.decoy_share,
+      nb::arg("symmetric") = d.symmetric, nb::arg("noise") = name_of(d.noise),
       nb::arg("degrees_of_freedom") = d.degrees_of_freedom, nb::arg("duplicates") = d.duplicates,
       nb::arg("mirrored") = d.mirrored, nb::arg("quantum") = d.quantum, nb::arg("source_offset") = d.source_offset,
       nb::arg("target_offset") = d.target_offset, nb::arg("units_per_metre") = d.units_per_metre,
       "The noise study's problem, made harder in one way by each option past `trial`.\n\n"
-      "scene: 'volume', 'planar' or 'linear', the latter two `thickness` metres thick\n"
+      "scene: 'volume'; 'planar' or 'linear', `thickness` metres thick; 'rings' of a scanner on the ground, 'poles',\n"
+      "    'lines', each of `parts`; 'corridor'; 'room'; 'facade' of `parts` columns of windows; 'grid' of `parts` "
+      "nodes\n"
+      "    an edge. Their sizes go with half_extent\n"
       "outliers: 'uniform'; 'permuted' among themselves; 'clustered' in `clusters` of `cluster_sigma` metres;\n"
-      "    'one_to_many' or 'many_to_many' with `matches_per_point`\n"
+      "    'one_to_many' or 'many_to_many' with `matches_per_point`; 'alike': with points of another scene of the "
+      "kind\n"
+      "    that look the same: at the same distance from the origin of a volume; on the same ring, line, or face of "
+      "the\n"
+      "    room; of the same height on any pole; of the same place in a corridor's cross-section; the same corners of\n"
+      "    any windows; anywhere on a plane, rod or grid\n"
       "decoy_share: outliers, as a share of the inliers' number, that follow a second motion\n"
       "symmetric: the scene is its own image under a half turn\n"
       "noise: 'gaussian', 'range_dependent', or 'student_t' with `degrees_of_freedom` >= 3\n"

@@ -39,8 +39,14 @@ def test_hard_options_do_what_they_say():
     assert not synth.hard_problem(correspondences=300, mirrored=True).is_inlier.any()
     quantised = synth.hard_problem(correspondences=300, quantum=0.5)
     assert np.array_equal(quantised.source % 0.5, np.zeros((300, 3)))
+    rings = synth.hard_problem(correspondences=300, scene="rings", parts=5, outliers="alike", outlier_ratio=1, sigma=0)
+    assert not rings.is_inlier.any()
+    back = (rings.target - rings.decoy_pose[:3, 3]) @ rings.decoy_pose[:3, :3]
+    ranges = np.linalg.norm(rings.source, axis=1)
+    assert np.allclose(ranges, np.linalg.norm(back, axis=1)) and len(np.unique(ranges.round(6))) == 5
     for options, message in (
-        ({"scene": "round"}, "scene is 'round', expected one of: volume, planar, linear"),
+        ({"scene": "round"}, "scene is 'round', expected one of: volume, planar, linear, rings, poles, lines, corridor"),
+        ({"parts": 0}, "parts = 0: expected 1 to 4294967295"),
         ({"outliers": "many"}, "outliers is 'many'"),
         ({"noise": "pink"}, "noise is 'pink'"),
         ({"outlier_ratio": 1.5}, "outlier_ratio = 1.5"),

@@ -15,6 +15,7 @@
 #include <vector>
 
 #include "random_stream.hpp"
+#include "scenes.hpp"
 
 namespace consimd::synth {
 namespace {
@@ -52,6 +53,7 @@ void require_valid(const HardProblemOptions& o) {
   require(finite_from(0.0, o.sigma), "sigma", o.sigma, "a finite number >= 0");
   require(finite_above(0.0, o.half_extent), "half_extent", o.half_extent, "a finite number > 0");
   require(finite_from(0.0, o.thickness), "thickness", o.thickness, "a finite number >= 0");
+  require(o.parts >= 1 && o.parts <= kMaxRows, "parts", o.parts, "1 to 4294967295");
   require(o.clusters >= 1 && o.clusters <= kMaxRows, "clusters", o.clusters, "1 to 4294967295");
   require(finite_from(0.0, o.cluster_sigma), "cluster_sigma", o.cluster_sigma, "a finite number >= 0");
   require(o.matches_per_point >= 2, "matches_per_point", o.matches_per_point, "at least 2");
@@ -94,26 +96,12 @@ ProblemKey problem_key(const HardProblemOptions& o) noexcept {
   return {o.seed, mix(mix(ratio_and_sigma) + o.correspondences), o.trial};
 }
 
-Eigen::Vector3d scene_half_extents(const HardProblemOptions& o) noexcept {
-  const double thin = 0.5 * o.thickness;
-  switch (o.scene) {
-    case Scene::planar:
-      return {o.half_extent, o.half_extent, thin};
-    case Scene::linear:
-      return {o.half_extent, thin, thin};
-    case Scene::volume:
-      break;
-  }
-  return Eigen::Vector3d::Constant(o.half_extent);
-}
-
 class Generator {
  public:
   explicit Generator(const HardProblemOptions& options)
       : options_(options),
         counts_(row_counts(options)),
         cube_(Eigen::Vector3d::Constant(options.half_extent)),
-        scene_(scene_half_extents(options)),
         motions_(problem_key(options), Purpose::motion),
         points_(problem_key(options), Purpose::points),
         noise_(problem_key(options), Purpose::noise),
@@ -121,7 +109,9 @@ class Generator {
         order_(problem_key(options), Purpose::order),
         true_motion_(motion()),
         decoy_motion_(motion()),
-        scene_turn_(motions_.rotation()) {
+        scene_turn_(motions_.rotation()),
+        scenes_(options, motions_),
+        mean_square_range_(scenes_.mean_square_range()) {
     if (options_.scene == Scene::volume) scene_turn_.setIdentity();
     if (options_.symmetric) {
       half_turn_ = scene_turn_ * Eigen::DiagonalMatrix<double, 3>(1.0, -1.0, -1.0) * scene_turn_.transpose();
@@ -154,7 +144,8 @@ class Generator {
 
   Eigen::Vector3d scene_point() {
     if (image_) return *std::exchange(image_, std::nullopt);
-    Eigen::Vector3d point = scene_turn_ * points_.in_box(scene_);
+    last_ = scenes_.point(points_);
+    Eigen::Vector3d point = scene_turn_ * last_.position;
     if (options_.symmetric) image_ = half_turn_ * point;
     return point;
   }
@@ -168,10 +159,8 @@ class Generator {
   Eigen::Vector3d noise(const Eigen::Vector3d& point) {
     const Eigen::Vector3d unit = noise_.gaussian_vector();
     switch (options_.noise) {
-      case NoiseModel::range_dependent: {
-        const double mean_square_range = scene_.squaredNorm() / 3.0;
-        return options_.sigma * std::sqrt(point.squaredNorm() / mean_square_range) * unit;
-      }
+      case NoiseModel::range_dependent:
+        return options_.sigma * std::sqrt(point.squaredNorm() / mean_square_range_) * unit;
       case NoiseModel::student_t: {
         double chi_square = 0.0;
         for (unsigned i = 0; i < options_.degrees_of_freedom; ++i) {
@@ -199,6 +188,8 @@ class Generator {
         return add_clustered();
       case OutlierModel::many_to_many:
         return add_many_to_many();
+      case OutlierModel::alike:
+        return add_alike();
     }
   }
 
@@ -246,6 +237,14 @@ class Generator {
     }
   }
 
+  void add_alike() {
+    for (std::size_t k = 0; k < counts_.outliers; ++k) {
+      const Eigen::Vector3d source = scene_point();
+      const Eigen::Vector3d like = scene_turn_ * scenes_.alike(last_, outliers_);
+      rows_.push_back({source, decoy_motion_ * like + noise(like), false});
+    }
+  }
+
   // x -> -x in the source makes the motion that maps it to the target a reflection.
   void mirror() {
     for (Row& row : rows_) {
@@ -289,11 +288,13 @@ class Generator {
 
   const HardProblemOptions& options_;
   RowCounts counts_;
-  Eigen::Vector3d cube_;   ///< half extents
-  Eigen::Vector3d scene_;  ///< half extents, before the turn
+  Eigen::Vector3d cube_;  ///< half extents
   RandomStream motions_, points_, noise_, outliers_, order_;
   RigidTransform true_motion_, decoy_motion_;
   Eigen::Matrix3d scene_turn_;
+  ScenePair scenes_;
+  double mean_square_range_;
+  ScenePair::Point last_;                                    ///< drawn of the scene, before the turn
   Eigen::Matrix3d half_turn_ = Eigen::Matrix3d::Identity();  ///< that maps a symmetric scene to itself
   std::optional<Eigen::Vector3d> image_;                     ///< of the last scene point, if it is the next one
   std::vector<Row> rows_;

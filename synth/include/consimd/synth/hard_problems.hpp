@@ -11,11 +11,19 @@
 
 namespace consimd::synth {
 
-/// Where source points lie.
+/// Where source points lie. All but the volume are turned at random. E: half_extent.
 enum class Scene : std::uint8_t {
-  volume,  ///< the cube [-half_extent, half_extent]^3
-  planar,  ///< a square slab through the cube's centre, `thickness` thick, turned at random
-  linear,  ///< a square rod through the cube's centre, `thickness` thick, turned at random
+  volume,    ///< the cube [-E, E]^3
+  planar,    ///< a square slab through the cube's centre, `thickness` thick
+  linear,    ///< a square rod through the cube's centre, `thickness` thick
+  rings,     ///< `parts` circles on the ground around a scanner at the origin, E / 50 above it, whose beams look down
+             ///< by 3 to 28 degrees
+  poles,     ///< `parts` verticals at random places of a square of 2 E, E / 6 high
+  lines,     ///< `parts` segments between random points of a box of 2 E x 2 E x E / 3
+  corridor,  ///< its walls, floor and ceiling: 2 E long, E / 10 wide, E / 12 high
+  room,      ///< its six faces: 2 E x 2 E x E / 2
+  facade,    ///< corners of equal windows in `parts` columns, 2 E / parts apart, and half as many rows
+  grid,      ///< nodes of a cubic lattice, `parts` an edge, 2 E / parts apart
 };
 
 /// What the correspondences are that no motion explains.
@@ -28,6 +36,13 @@ enum class OutlierModel : std::uint8_t {
   one_to_many,   ///< `matches_per_point` outliers share a scene point; targets uniform in the cube
   many_to_many,  ///< wrong pairs among the features that true pairs come from, as mutual top-k matching gives them: a
                  ///< point of either cloud is in at most `matches_per_point` correspondences, a true one included
+  /// A scene point and a point of another scene of the kind that looks the same to a matcher, with the inliers' noise.
+  /// The other scene has its own poles or lines and lies where decoy_T_target_source takes the first. Alike are points
+  /// of a volume at the same distance from the origin; all of a plane, a rod or a grid; those on the same ring, face of
+  /// the room, or line (the k-th and the k-th); of the same height on any pole; at the same place of the corridor's
+  /// cross-section; and the same corners of any windows. So nothing but chance puts two pairs on one motion, yet far
+  /// more of them lie on one than uniform outliers would.
+  alike,
 };
 
 /// How an inlier's target deviates from the moved source. The standard deviation per axis is sigma over all inliers.
@@ -53,6 +68,7 @@ struct HardProblemOptions {
 
   Scene scene = Scene::volume;
   double thickness = 0.1;  ///< >= 0; planar and linear scenes
+  std::size_t parts = 20;  ///< [1, 2^32); rings, poles, lines, columns of windows, nodes an edge of the grid
 
   OutlierModel outliers = OutlierModel::uniform;
   std::size_t clusters = 10;          ///< >= 1; clustered
