@@ -7,6 +7,7 @@
 #include <string>
 
 #include "kernel_arguments.hpp"
+#include "remoteness.hpp"
 #include "working_scale.hpp"
 
 namespace consimd {
@@ -26,26 +27,38 @@ void require_finite(const PointSpan<T>& points, const char* cloud) {
   }
 }
 
-/// Mean by scaled terms: a plain sum could overflow where the mean does not.
-template <typename T>
-std::array<double, 3> centroid(const PointSpan<T>& points) {
+/// Mean of the points that `counts`, `n` of them, by scaled terms: a plain sum could overflow where the mean does not.
+template <typename T, typename Counts>
+std::array<double, 3> centroid(const PointSpan<T>& points, std::size_t n, const Counts& counts) {
   std::array<double, 3> mean{};
-  const auto n = static_cast<double>(points.size);
   for (std::size_t i = 0; i < points.size; ++i) {
-    for (std::size_t c = 0; c < 3; ++c) mean[c] += static_cast<double>(points(i, c)) / n;
+    if (!counts(i)) continue;
+    for (std::size_t c = 0; c < 3; ++c) mean[c] += static_cast<double>(points(i, c)) / static_cast<double>(n);
   }
   return mean;
 }
 
-template <typename T>
-double largest_offset(const PointSpan<T>& points, const std::array<double, 3>& origin) {
+template <typename T, typename Counts>
+double largest_offset(const PointSpan<T>& points, const std::array<double, 3>& origin, const Counts& counts) {
   double largest = 0.0;
   for (std::size_t i = 0; i < points.size; ++i) {
+    if (!counts(i)) continue;
     for (std::size_t c = 0; c < 3; ++c) {
       largest = std::max(largest, std::abs(static_cast<double>(points(i, c)) - origin[c]));
     }
   }
   return largest;
+}
+
+/// Residuals in the working frame are rounded by a quarter of this, a little more or less.
+constexpr double kResolution = 0x1p-20;
+
+/// The noise that points about `centroid` with offsets up to `extent` are rounded by, in the frame and before, as T.
+template <typename T>
+double rounding(const std::array<double, 3>& centroid, double extent, double frame_scale) {
+  const double offset = std::max({std::abs(centroid[0]), std::abs(centroid[1]), std::abs(centroid[2])});
+  return std::max(extent == 0.0 ? 0.0 : kResolution / frame_scale,
+                  static_cast<double>(std::numeric_limits<T>::epsilon()) * (offset + extent));
 }
 
 void require_rows(std::span<const std::uint32_t> rows, std::size_t size) {
@@ -80,10 +93,32 @@ void Correspondences::assign(PointSpan<T> source, PointSpan<T> target) {
   }
   require_finite(source, "source");
   require_finite(target, "target");
-  source_centroid_ = centroid(source);
-  target_centroid_ = centroid(target);
-  scale_ = detail::working_scale(
-      std::max(largest_offset(source, source_centroid_), largest_offset(target, target_centroid_)));
+  const auto all = [](std::size_t) { return true; };
+  source_centroid_ = centroid(source, source.size, all);
+  target_centroid_ = centroid(target, target.size, all);
+  double source_extent = largest_offset(source, source_centroid_, all);
+  double target_extent = largest_offset(target, target_centroid_, all);
+  double extent = std::max(source_extent, target_extent);
+  far_rows_.clear();
+  if (const std::vector<double> remote = detail::remoteness(source, source_extent, target, target_extent);
+      !remote.empty()) {
+    const auto in_bulk = [&](std::size_t i) { return remote[i] <= detail::kBulk; };
+    const auto near = [&](std::size_t i) { return remote[i] <= detail::kFar; };
+    const auto bulk = static_cast<std::size_t>(
+        std::ranges::count_if(remote, [](double distance) { return distance <= detail::kBulk; }));
+    source_centroid_ = centroid(source, bulk, in_bulk);
+    target_centroid_ = centroid(target, bulk, in_bulk);
+    source_extent = largest_offset(source, source_centroid_, in_bulk);
+    target_extent = largest_offset(target, target_centroid_, in_bulk);
+    extent = std::max(largest_offset(source, source_centroid_, near), largest_offset(target, target_centroid_, near));
+    for (std::uint32_t i = 0; i < source.size; ++i) {
+      if (!near(i)) far_rows_.push_back(i);
+    }
+  }
+  scale_ = detail::working_scale(extent);
+  const double bulk_scale = detail::working_scale(std::max(source_extent, target_extent));
+  resolution_ = std::max(rounding<T>(source_centroid_, source_extent, bulk_scale),
+                         rounding<T>(target_centroid_, target_extent, bulk_scale));
 
   allocate(source.size);
   for (std::size_t c = 0; c < 3; ++c) {
@@ -94,6 +129,27 @@ void Correspondences::assign(PointSpan<T> source, PointSpan<T> target) {
       q[i] = static_cast<float>((static_cast<double>(target(i, c)) - target_centroid_[c]) * scale_);
     }
   }
+  blank_far_rows();
+}
+
+void Correspondences::blank_far_rows() {
+  for (const std::uint32_t row : far_rows_) {
+    for (std::size_t c = 0; c < 6; ++c) data_[c * padded_ + row] = kPadding;
+  }
+}
+
+std::vector<std::uint32_t> Correspondences::near_rows() const {
+  std::vector<std::uint32_t> rows;
+  rows.reserve(size_ - far_rows_.size());
+  auto far = far_rows_.begin();
+  for (std::uint32_t row = 0; row < size_; ++row) {
+    if (far != far_rows_.end() && *far == row) {
+      ++far;
+    } else {
+      rows.push_back(row);
+    }
+  }
+  return rows;
 }
 
 Correspondences::Correspondences(PointSpan<double> source, PointSpan<double> target) { assign(source, target); }
@@ -119,6 +175,8 @@ Correspondences Correspondences::with_scaled_source(double factor) const {
   Correspondences scaled;
   scaled.source_centroid_ = source_centroid_;
   for (double& x : scaled.source_centroid_) x *= factor;
+  scaled.resolution_ = std::max(1.0, factor) * resolution_;
+  scaled.far_rows_ = far_rows_;
   scaled.target_centroid_ = target_centroid_;
   scaled.scale_ = detail::working_scale(largest / scale_);
   scaled.allocate(size_);
@@ -143,6 +201,8 @@ void Correspondences::assign_pairs(const Correspondences& parent, std::span<cons
   scale_ = parent.scale_;
   source_centroid_ = parent.source_centroid_;
   target_centroid_ = parent.target_centroid_;
+  resolution_ = parent.resolution_;
+  far_rows_.clear();
   allocate(source_rows.size());
   for (std::size_t c = 0; c < 6; ++c) {
     const auto& rows = c < 3 ? source_rows : target_rows;
@@ -150,6 +210,11 @@ void Correspondences::assign_pairs(const Correspondences& parent, std::span<cons
     std::transform(rows.begin(), rows.end(), data_.get() + c * padded_,
                    [from](std::uint32_t row) { return from[row]; });
   }
+  if (parent.far_rows_.empty()) return;
+  for (std::uint32_t row = 0; row < size_; ++row) {
+    if (std::isnan(data_[row]) || std::isnan(data_[3 * padded_ + row])) far_rows_.push_back(row);
+  }
+  blank_far_rows();
 }
 
 }  // namespace consimd

@@ -8,6 +8,7 @@
 #include <limits>
 #include <memory>
 #include <span>
+#include <vector>
 
 #pragma GCC visibility push(default)
 
@@ -39,7 +40,8 @@ struct PointSpan {
 class Correspondences;
 
 /// What a kernel reads: six arrays of `padded_size()` floats, 64-byte aligned, in the working frame of the owner
-/// (see `Correspondences`). Lanes from `size()` on are NaN, so every ordered comparison with them is false.
+/// (see `Correspondences`). Lanes from `size()` on, and those of far rows, are NaN, so every ordered comparison with
+/// them is false.
 /// Only a `Correspondences` can make one, so alignment and padding hold by construction. Valid while its owner lives.
 class CorrespondenceView {
  public:
@@ -83,6 +85,13 @@ class CorrespondenceView {
 /// overflow a power of a length in a kernel. Kernels take lengths (noise bounds) in the caller's unit and poses in the
 /// working frame; a length below 1e-9 of the working frame, finer than single precision resolves, counts as 1e-9, one
 /// above 16 as 16.
+///
+/// A row with a point far from all others (a map coordinate left in, "no value" as -9999 or 1e308) takes no part in the
+/// frame. Far from the middle of a cloud, its median coordinate by coordinate, are rows at more than 256 times the
+/// median distance from it, which no pose that fits the others brings together: they keep their index and are NaN in
+/// all six arrays, so that no kernel finds them consistent with anything. Rows at more than 32 times that distance are
+/// left out of the centroids only. So the bulk of the data has the precision it had without them, as long as they are
+/// the minority. Where no row is beyond 32, which is the case in ordinary data, nothing of this applies.
 class Correspondences {
  public:
   Correspondences() = default;
@@ -117,6 +126,15 @@ class Correspondences {
   [[nodiscard]] const std::array<double, 3>& target_centroid() const noexcept { return target_centroid_; }
   [[nodiscard]] double scale() const noexcept { return scale_; }
 
+  /// Rows that are far from all others, ascending: NaN in the working frame. Most often none.
+  [[nodiscard]] std::span<const std::uint32_t> far_rows() const noexcept { return far_rows_; }
+  /// The other rows, ascending.
+  [[nodiscard]] std::vector<std::uint32_t> near_rows() const;
+  /// The least noise bound that residuals are not rounded beyond, caller's unit: 2^-20 of the working frame of the bulk
+  /// (its size is at least one, at most two times that of the largest coordinate), or what the caller's type can tell
+  /// so far from the origin.
+  [[nodiscard]] double resolution() const noexcept { return resolution_; }
+
  private:
   struct AlignedDelete {
     void operator()(float* p) const noexcept;
@@ -125,14 +143,17 @@ class Correspondences {
   template <typename T>
   void assign(PointSpan<T> source, PointSpan<T> target);
   void allocate(std::size_t size);
+  void blank_far_rows();
 
   std::unique_ptr<float[], AlignedDelete> data_;
   std::size_t size_ = 0;
   std::size_t padded_ = 0;
   std::size_t capacity_ = 0;  // padded size that data_ has room for
   double scale_ = 1.0;
+  double resolution_ = 0.0;
   std::array<double, 3> source_centroid_{};
   std::array<double, 3> target_centroid_{};
+  std::vector<std::uint32_t> far_rows_;
 };
 
 }  // namespace consimd

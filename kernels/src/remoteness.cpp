@@ -1,0 +1,93 @@
+#include "remoteness.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdint>
+
+namespace consimd::detail {
+namespace {
+
+// Pairs of points whose distances tell the size of the bulk: with far rows in the minority, two points of four or more
+// pairs in ten are none. The tenth part of the distances is about a third of the median distance from the middle.
+constexpr std::size_t kPairs = 64;
+constexpr std::size_t kClosePairs = kPairs / 10;
+constexpr double kStandsOut = 24.0;
+
+template <typename T>
+double distance(const PointSpan<T>& points, std::size_t i, const std::array<double, 3>& from) {
+  double largest = 0.0;
+  for (std::size_t c = 0; c < 3; ++c)
+    largest = std::max(largest, std::abs(static_cast<double>(points(i, c)) - from[c]));
+  return largest;
+}
+
+template <typename T>
+std::array<double, 3> point(const PointSpan<T>& points, std::size_t i) {
+  return {static_cast<double>(points(i, 0)), static_cast<double>(points(i, 1)), static_cast<double>(points(i, 2))};
+}
+
+double median(std::vector<double>& values) {
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  return *middle;
+}
+
+// Whether the extent of a cloud is many times the distance of its closer pairs.
+template <typename T>
+bool may_stand_out(const PointSpan<T>& points, double extent) {
+  if (points.size < 4) return false;
+  // Rows spread by the golden ratio, which meets no period of the input.
+  const auto row = [&](std::uint64_t k) {
+    return static_cast<std::size_t>(((k * 0x9E3779B97F4A7C15U) >> 32U) * points.size >> 32U);
+  };
+  std::array<double, kPairs> distances{};
+  for (std::uint64_t pair = 0; pair < kPairs; ++pair) {
+    const std::size_t i = row(2 * pair);
+    const std::size_t j = row(2 * pair + 1);
+    distances[pair] = distance(points, i, point(points, i == j ? (j + 1) % points.size : j));
+  }
+  std::nth_element(distances.begin(), distances.begin() + kClosePairs, distances.end());
+  return !(extent <= kStandsOut * distances[kClosePairs]);
+}
+
+template <typename T>
+std::vector<double> remoteness(const PointSpan<T>& points) {
+  std::array<double, 3> middle{};
+  std::vector<double> values(points.size);
+  for (std::size_t c = 0; c < 3; ++c) {
+    for (std::size_t i = 0; i < points.size; ++i) values[i] = static_cast<double>(points(i, c));
+    middle[c] = median(values);
+  }
+  std::vector<double> result(points.size);
+  for (std::size_t i = 0; i < points.size; ++i) result[i] = distance(points, i, middle);
+  values = result;
+  double radius = median(values);
+  if (radius == 0.0) {
+    std::erase(values, 0.0);
+    if (values.empty()) return result;
+    radius = median(values);
+  }
+  // Most of the points being beyond double from one another is for the caller to refuse.
+  if (!std::isfinite(radius)) return std::vector<double>(points.size, 0.0);
+  for (double& value : result) value /= radius;
+  return result;
+}
+
+}  // namespace
+
+template <typename T>
+std::vector<double> remoteness(const PointSpan<T>& source, double source_extent, const PointSpan<T>& target,
+                               double target_extent) {
+  if (!may_stand_out(source, source_extent) && !may_stand_out(target, target_extent)) return {};
+  std::vector<double> rows = remoteness(source);
+  const std::vector<double> of_target = remoteness(target);
+  for (std::size_t i = 0; i < rows.size(); ++i) rows[i] = std::max(rows[i], of_target[i]);
+  if (std::ranges::all_of(rows, [](double value) { return value <= kBulk; })) rows.clear();
+  return rows;
+}
+
+template std::vector<double> remoteness(const PointSpan<float>&, double, const PointSpan<float>&, double);
+template std::vector<double> remoteness(const PointSpan<double>&, double, const PointSpan<double>&, double);
+
+}  // namespace consimd::detail

@@ -1,0 +1,25 @@
+// Points far from the bulk of their cloud: a map coordinate left in, the -9999 or 1e308 of "no value".
+#pragma once
+
+#include <vector>
+
+#include <consimd/kernels/correspondences.hpp>
+
+namespace consimd::detail {
+
+/// Rows up to this remoteness make the frame: its centroids and what it resolves.
+inline constexpr double kBulk = 32.0;
+/// Beyond this remoteness a row is far. The noise of the bulk turns such a point by more than itself, so that no pose
+/// of the bulk reconciles it.
+inline constexpr double kFar = 256.0;
+
+/// Of every row the distance of its source or target, whichever is more remote, from the middle of its cloud
+/// (coordinate by coordinate the median), in median distances: the half of the points that are close count, at any
+/// distance of the others. Distances are largest coordinate differences. Copies of the middle itself do not count.
+/// Empty where no row is beyond kBulk, as far as a look at some pairs and at `source_extent` and `target_extent`, the
+/// largest distances from the centroids, tells: at ordinary data nothing else is looked at.
+template <typename T>
+std::vector<double> remoteness(const PointSpan<T>& source, double source_extent, const PointSpan<T>& target,
+                               double target_extent);
+
+}  // namespace consimd::detail
