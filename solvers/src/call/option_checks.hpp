@@ -1,14 +1,17 @@
 // Validation of options at a solver's door.
 #pragma once
 
+#include <algorithm>
 #include <cmath>
 #include <cstdint>
+#include <span>
 #include <sstream>
 #include <stdexcept>
 #include <string>
 #include <string_view>
 
 #include <consimd/kernels/consistency_matrix.hpp>
+#include <consimd/kernels/correspondences.hpp>
 
 namespace consimd::detail {
 
@@ -37,6 +40,14 @@ inline void require_whole_matrix(std::size_t budget_bytes, std::size_t correspon
   if (needed <= budget_bytes) return;
   reject_option("matrix_budget_bytes", budget_bytes,
                 "at least " + std::to_string(needed) + " for " + std::to_string(correspondences) + " correspondences");
+}
+
+/// Rows that are far from all others have no place in the working frame: a caller who names one is told.
+inline void require_near(const Correspondences& correspondences, std::span<const std::uint32_t> members) {
+  for (const std::uint32_t row : correspondences.far_rows()) {
+    if (std::ranges::find(members, row) == members.end()) continue;
+    reject_option("members: one of them", row, "no row far from all others (see Correspondences::far_rows)");
+  }
 }
 
 }  // namespace consimd::detail

@@ -24,12 +24,13 @@ std::string_view to_string(Status status) noexcept {
   return "unknown";
 }
 
-Registration detail::start_registration(double noise_bound, std::uint64_t seed) {
+Registration detail::start_registration(double noise_bound, double noise_bound_asked, std::uint64_t seed) {
   Registration result;
   result.seed = seed;
   result.isa = active_isa();
   result.threads = tbb::this_task_arena::max_concurrency();
   result.noise_bound = noise_bound;
+  result.noise_bound_asked = noise_bound_asked;
   result.consistency_bound = 2.0 * noise_bound;
   return result;
 }

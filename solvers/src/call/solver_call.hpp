@@ -1,31 +1,45 @@
 // What every solver's call begins and ends with.
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 
 #include <consimd/kernels/correspondences.hpp>
 #include <consimd/solvers/registration.hpp>
 
+#include "call/distinct_rows.hpp"
 #include "call/option_checks.hpp"
 #include "call/stage_clock.hpp"
 
 namespace consimd::detail {
 
-/// A registration that says what is used and has no result yet.
-Registration start_registration(double noise_bound, std::uint64_t seed);
+/// What every solver's options have.
+struct CallOptions {
+  double noise_bound = 0.0;  ///< caller's unit
+  std::uint64_t seed = 1;
+};
 
-/// The registration that `solve(result)` fills in, timed. It is called with three correspondences or more: fewer have
-/// their status already. Throws std::invalid_argument on a bad noise bound.
-template <typename Solve>
-Registration run_solver(const Correspondences& correspondences, double noise_bound, std::uint64_t seed,
-                        const Solve& solve) {
-  require_length("noise_bound", noise_bound);
-  Registration result = start_registration(noise_bound, seed);
+/// A registration that says what is used and has no result yet. `noise_bound`: used and asked for.
+Registration start_registration(double noise_bound, double noise_bound_asked, std::uint64_t seed);
+
+/// The registration that `solve(rows, options, result)` fills in, timed. It is called with rows that are no copies and
+/// not far from all others, three or more (fewer have their status already), and with a noise bound that the working
+/// frame resolves; the inliers are then those of all rows. Throws std::invalid_argument on a bad noise bound.
+template <typename Options, typename Solve>
+Registration run_solver(const Correspondences& correspondences, const Options& asked, const Solve& solve) {
+  require_length("noise_bound", asked.noise_bound);
+  Options options = asked;
+  options.noise_bound = std::max(asked.noise_bound, correspondences.resolution());
+  Registration result = start_registration(options.noise_bound, asked.noise_bound, options.seed);
   const StageClock clock(result.seconds);
-  if (correspondences.size() < 3) {
-    result.status = Status::too_few_correspondences;
+  const DistinctRows rows(correspondences);
+  if (rows.correspondences().size() < 3) {
+    // Copies of one another are enough in number and coincide.
+    const bool copies = correspondences.size() - correspondences.far_rows().size() >= 3;
+    result.status = copies ? Status::degenerate_geometry : Status::too_few_correspondences;
   } else {
-    solve(result);
+    solve(rows.correspondences(), options, result);
+    rows.restore(result.inliers);
   }
   return result;
 }

@@ -165,8 +165,7 @@ void solve(const Correspondences& correspondences, const MacOptions& options, Re
 
 Registration register_mac(const Correspondences& correspondences, const MacOptions& options) {
   detail::require_options(detail::mac_options(), options);
-  return detail::run_solver(correspondences, options.noise_bound, options.seed,
-                            [&](Registration& result) { solve(correspondences, options, result); });
+  return detail::run_solver(correspondences, options, solve);
 }
 
 }  // namespace consimd

@@ -2,17 +2,22 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <vector>
 
 #include <consimd/solvers/pose_refinement.hpp>
 #include <consimd/solvers/significance.hpp>
 
+#include "call/distinct_rows.hpp"
 #include "search/consensus_search.hpp"
+#include "support/points.hpp"
 #include "verdict/pose_test.hpp"
 
 namespace consimd {
 namespace {
 
+// Sources further from their centroid than this, in median distances, say nothing of the extent.
+constexpr float kBulk = 32.0F;
 constexpr double kLeastBound = 1.0 / 2048.0;  // of the extent
 constexpr std::uint32_t kBounds = 10;
 // Points closer than this share of their distance from the origin differ by rounding.
@@ -25,15 +30,26 @@ constexpr double kDeviations = 3.0;
 constexpr double kSettledFactor = 1.05;
 constexpr int kMeasurements = 10;
 
-// Root mean square distance of the sources from their centroid, caller's unit.
+// Root mean square distance of the sources from their centroid, caller's unit. Sources further away than kBulk median
+// distances do not count.
 double extent(const Correspondences& correspondences) {
   const CorrespondenceView view = correspondences.view();
+  if (view.size() == 0) return 0.0;
+  std::vector<float> squared(view.size());
+  for (std::size_t k = 0; k < view.size(); ++k) squared[k] = squared_distance(detail::source_point(view, k), {});
+  std::vector<float> sorted = squared;
+  const auto middle = sorted.begin() + static_cast<std::ptrdiff_t>(sorted.size() / 2);
+  std::ranges::nth_element(sorted, middle);
+  const float limit = *middle > 0.0F ? kBulk * kBulk * *middle : std::numeric_limits<float>::infinity();
   double sum = 0.0;
   for (std::size_t axis = 0; axis < 3; ++axis) {
     const float* x = view.source(axis);
-    for (std::size_t k = 0; k < view.size(); ++k) sum += static_cast<double>(x[k]) * static_cast<double>(x[k]);
+    for (std::size_t k = 0; k < view.size(); ++k) {
+      if (squared[k] <= limit) sum += static_cast<double>(x[k]) * static_cast<double>(x[k]);
+    }
   }
-  return view.size() == 0 ? 0.0 : std::sqrt(sum / static_cast<double>(view.size())) / view.scale();
+  const auto count = std::ranges::count_if(squared, [limit](float square) { return square <= limit; });
+  return std::sqrt(sum / static_cast<double>(count)) / view.scale();
 }
 
 // Three times the scale of the residuals around the pose, from the bound that it was found with.
@@ -85,7 +101,9 @@ std::vector<Attempt> attempts(const Correspondences& correspondences, double lea
 
 }  // namespace
 
-NoiseBoundEstimate estimate_noise_bound(const Correspondences& correspondences, std::uint64_t seed) {
+NoiseBoundEstimate estimate_noise_bound(const Correspondences& all, std::uint64_t seed) {
+  const detail::DistinctRows rows(all);
+  const Correspondences& correspondences = rows.correspondences();
   const double size = extent(correspondences);
   const auto& centroid = correspondences.source_centroid();
   if (!(size > kResolution * std::hypot(centroid[0], centroid[1], centroid[2]))) return {1.0, 0.0, 1};

@@ -149,8 +149,7 @@ void solve(const Correspondences& correspondences, const Pcr99Options& options, 
 }
 
 Registration register_at_known_scale(const Correspondences& correspondences, const Pcr99Options& options) {
-  return detail::run_solver(correspondences, options.noise_bound, options.seed,
-                            [&](Registration& result) { solve(correspondences, options, result); });
+  return detail::run_solver(correspondences, options, solve);
 }
 
 }  // namespace
@@ -165,6 +164,8 @@ std::vector<float> ranking_costs(const Correspondences& correspondences, const P
                         length_of(options.ranking_tolerance, options), std::tanh(options.ratio_tolerance),
                         std::span(costs).subspan(range.begin(), range.size()));
   });
+  // A row far from all others agrees with none.
+  for (const std::uint32_t row : correspondences.far_rows()) costs[row] = static_cast<float>(rows.size());
   return costs;
 }
 

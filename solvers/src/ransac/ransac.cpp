@@ -28,8 +28,7 @@ void solve(const Correspondences& correspondences, const RansacOptions& options,
 
 Registration register_ransac(const Correspondences& correspondences, const RansacOptions& options) {
   detail::require_options(detail::ransac_options(), options);
-  return detail::run_solver(correspondences, options.noise_bound, options.seed,
-                            [&](Registration& result) { solve(correspondences, options, result); });
+  return detail::run_solver(correspondences, options, solve);
 }
 
 }  // namespace consimd

@@ -82,8 +82,7 @@ void solve(const Correspondences& correspondences, const Sc2PcrOptions& options,
 
 Registration register_sc2_pcr(const Correspondences& correspondences, const Sc2PcrOptions& options) {
   check(options);
-  return detail::run_solver(correspondences, options.noise_bound, options.seed,
-                            [&](Registration& result) { solve(correspondences, options, result); });
+  return detail::run_solver(correspondences, options, solve);
 }
 
 }  // namespace consimd

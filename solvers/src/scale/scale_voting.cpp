@@ -195,6 +195,9 @@ std::vector<VotedScale> scale_voting(const Correspondences& correspondences, con
   detail::require_above_zero("max_voters", options.max_voters);
   detail::require_above_zero("max_partners", options.max_partners);
   detail::require_above_zero("max_scales", options.max_scales);
+  if (!correspondences.far_rows().empty()) {
+    return scale_voting(correspondences.subset(correspondences.near_rows()), options);
+  }
   std::vector<VotedScale> scales;
   if (correspondences.size() < 3) return scales;
   const double bound = std::min(options.tolerance * options.noise_bound, 1e300);

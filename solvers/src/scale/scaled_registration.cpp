@@ -161,9 +161,10 @@ void solve(const Correspondences& correspondences, double noise_bound, std::uint
 
 Registration register_scaled(const Correspondences& correspondences, double noise_bound, std::uint32_t bounds_tried,
                              std::uint64_t seed, Refinement refinement, const KnownScaleSolver& solver) {
-  return run_solver(correspondences, noise_bound, seed, [&](Registration& result) {
-    solve(correspondences, noise_bound, bounds_tried, seed, refinement, solver, result);
-  });
+  return run_solver(correspondences, CallOptions{noise_bound, seed},
+                    [&](const Correspondences& rows, const CallOptions& used, Registration& result) {
+                      solve(rows, used.noise_bound, bounds_tried, used.seed, refinement, solver, result);
+                    });
 }
 
 }  // namespace consimd::detail

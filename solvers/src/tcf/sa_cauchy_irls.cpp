@@ -54,6 +54,7 @@ IrlsResult sa_cauchy_irls(const Correspondences& correspondences, std::span<cons
   const bool as_printed = options.rule == SaCauchyIrlsOptions::Rule::as_printed;
   if (!as_printed) detail::require_length("final_scale", options.final_scale);
   if (!(options.scale_divisor > 1.0)) detail::reject_option("scale_divisor", options.scale_divisor, "a number above 1");
+  detail::require_near(correspondences, members);
 
   IrlsResult result;
   result.members.assign(members.begin(), members.end());

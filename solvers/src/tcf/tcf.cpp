@@ -47,8 +47,10 @@ void solve(const Correspondences& correspondences, const TcfOptions& options, co
 Registration detail::register_tuned_tcf(const Correspondences& correspondences, const TcfOptions& options,
                                         const TcfTuning& tuning) {
   require_options(tcf_options(), options);
-  return run_solver(correspondences, options.noise_bound, options.seed,
-                    [&](Registration& result) { solve(correspondences, options, tuning, result); });
+  return run_solver(correspondences, options,
+                    [&](const Correspondences& rows, const TcfOptions& used, Registration& result) {
+                      solve(rows, used, tuning, result);
+                    });
 }
 
 Registration register_tcf(const Correspondences& correspondences, const TcfOptions& options) {

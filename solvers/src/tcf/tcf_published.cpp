@@ -75,17 +75,22 @@ void solve(const Correspondences& correspondences, const TcfPublishedOptions& op
     result.status = Status::degenerate_geometry;
     return;
   }
+  std::vector<std::uint32_t> inliers =
+      detail::pose_inliers(correspondences.view(), to_working_pose(irls.fit.pose), tau);
+  if (inliers.size() < 3) {
+    result.status = Status::no_consensus;
+    return;
+  }
   result.status = Status::success;
   result.T_target_source = to_caller_frame(irls.fit.pose, correspondences);
-  result.inliers = detail::pose_inliers(correspondences.view(), to_working_pose(irls.fit.pose), tau);
+  result.inliers = std::move(inliers);
 }
 
 }  // namespace
 
 Registration register_tcf_published(const Correspondences& correspondences, const TcfPublishedOptions& options) {
   detail::require_options(detail::tcf_published_options(), options);
-  return detail::run_solver(correspondences, options.noise_bound, options.seed,
-                            [&](Registration& result) { solve(correspondences, options, result); });
+  return detail::run_solver(correspondences, options, solve);
 }
 
 }  // namespace consimd

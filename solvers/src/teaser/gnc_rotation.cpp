@@ -108,6 +108,7 @@ GncRotation gnc_rotation(const Correspondences& correspondences, std::span<const
   if (!(options.smallest_change >= 0.0)) {
     detail::reject_option("smallest_change", options.smallest_change, "a number not below 0");
   }
+  detail::require_near(correspondences, members);
   GncRotation result;
   if (members.size() < 3) return result;
   const Differences differences(correspondences.view(), members, options.pairs);

@@ -167,8 +167,7 @@ void solve(const Correspondences& correspondences, const TeaserOptions& options,
 }
 
 Registration register_at_known_scale(const Correspondences& correspondences, const TeaserOptions& options) {
-  return detail::run_solver(correspondences, options.noise_bound, options.seed,
-                            [&](Registration& result) { solve(correspondences, options, result); });
+  return detail::run_solver(correspondences, options, solve);
 }
 
 }  // namespace

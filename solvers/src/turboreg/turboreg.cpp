@@ -72,8 +72,7 @@ void solve(const Correspondences& correspondences, const TurboRegOptions& option
 
 Registration register_turboreg(const Correspondences& correspondences, const TurboRegOptions& options) {
   detail::require_options(detail::turboreg_options(), options);
-  return detail::run_solver(correspondences, options.noise_bound, options.seed,
-                            [&](Registration& result) { solve(correspondences, options, result); });
+  return detail::run_solver(correspondences, options, solve);
 }
 
 }  // namespace consimd

@@ -93,9 +93,15 @@ FinalPose finish(const Correspondences& correspondences, const PoseTest& test, B
     refined.fit.pose = from_working_pose(best.pose);
     refined.sigma = kSigmaPerBound * tau;
   }
-  const WorkingPose pose = to_working_pose(refined.fit.pose);
-  final.pose = refined.fit.pose;
+  WorkingPose pose = to_working_pose(refined.fit.pose);
   final.inliers = pose_inliers(view, pose, tau);
+  if (final.inliers.size() < 3) {
+    // The weights moved it off its supporters.
+    pose = best.pose;
+    refined.fit.pose = from_working_pose(pose);
+    final.inliers = pose_inliers(view, pose, tau);
+  }
+  final.pose = refined.fit.pose;
   final.rounds = refined.rounds;
   final.covariance = refined.covariance;
   final.scale_deviation = refined.scale_deviation;
@@ -108,12 +114,16 @@ FinalPose finish(const Correspondences& correspondences, const PoseTest& test, B
 void conclude(const Correspondences& correspondences, const PoseTest& test, const BestPoses& poses,
               const std::vector<std::uint32_t>& set, const FinalPose& final, bool confident, Registration& result) {
   result.log10_false_poses = final.log10_false_poses;
-  if (final.inliers.size() < 3 ? coincident_or_collinear(correspondences)
-                               : final.rotation_deviation > kLargestRotationDeviation) {
+  const bool supported = final.inliers.size() >= 3;
+  const std::vector<std::uint32_t> agreeing =
+      supported && final.was_runner_up ? agreeing_rows(correspondences, final, test) : set;
+  if (supported ? final.rotation_deviation > kLargestRotationDeviation : coincident_or_collinear(correspondences)) {
     result.status = Status::degenerate_geometry;
-  } else if (final.log10_false_poses >= kSignificant ||
-             is_mirrored(correspondences, final.was_runner_up ? agreeing_rows(correspondences, final, test) : set,
-                         final.inliers.size(), test.noise_bound)) {
+  } else if (const std::size_t mirrored = mirrored_supporters(correspondences, agreeing, test.noise_bound);
+             is_mirrored(mirrored, final.inliers.size())) {
+    result.status = Status::no_consensus;
+    result.mirrored = is_mirror_image(mirrored, agreeing.size());
+  } else if (!supported || final.log10_false_poses >= kSignificant) {
     result.status = Status::no_consensus;
   } else {
     std::optional<RunnerUp> rival = runner_up(correspondences, test, poses);
@@ -126,7 +136,8 @@ void conclude(const Correspondences& correspondences, const PoseTest& test, cons
       result.status = Status::no_consensus;
       return;
     }
-    result.runner_up = std::move(rival);
+    // One that chance gives as well tells nobody anything.
+    if (rival && rival->log10_false_poses < kSignificant) result.runner_up = std::move(rival);
     result.status = ambiguous ? Status::ambiguous : confident ? Status::success : Status::budget_exhausted;
     result.T_target_source = to_caller_frame(final.pose, correspondences);
     result.covariance = final.covariance;

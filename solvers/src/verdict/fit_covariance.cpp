@@ -66,12 +66,11 @@ ScaleFit fit_scale(const RigidMoments& moments, const RobustWeight& weight, cons
   return fit;
 }
 
-PoseCovariance fit_covariance(const RigidMoments& moments, const RobustWeight& weight, const RigidTransform& pose,
-                              const Correspondences& frame, double shared) {
+PoseCovariance least_squares_covariance(const RigidMoments& moments, double variance, const RigidTransform& pose,
+                                        const Correspondences& frame) {
   PoseCovariance covariance = PoseCovariance::Zero();
   const double w = moments.weight;
   if (!(w > 0.0)) return covariance;
-  const double variance = shared * residual_variance(moments, weight);
 
   // About the weighted centroid rotation and translation are independent.
   const Eigen::Vector3d centroid = Eigen::Map<const Eigen::Vector3d>(moments.source) / w;
@@ -90,6 +89,12 @@ PoseCovariance fit_covariance(const RigidMoments& moments, const RobustWeight& w
   covariance.bottomRightCorner<3, 3>().diagonal().array() += variance / w / frame.scale() / frame.scale();
   // Symmetric to the last bit.
   return covariance.selfadjointView<Eigen::Lower>();
+}
+
+PoseCovariance fit_covariance(const RigidMoments& moments, const RobustWeight& weight, const RigidTransform& pose,
+                              const Correspondences& frame, double shared) {
+  if (!(moments.weight > 0.0)) return PoseCovariance::Zero();
+  return least_squares_covariance(moments, shared * residual_variance(moments, weight), pose, frame);
 }
 
 }  // namespace consimd::detail

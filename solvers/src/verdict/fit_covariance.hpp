@@ -20,6 +20,11 @@ namespace consimd::detail {
 PoseCovariance fit_covariance(const RigidMoments& moments, const RobustWeight& weight, const RigidTransform& pose,
                               const Correspondences& frame, double shared);
 
+/// The same of a fit whose residuals of unit weight have this variance per axis, working frame. `moments`: weight,
+/// source and source_scatter are read.
+PoseCovariance least_squares_covariance(const RigidMoments& moments, double variance, const RigidTransform& pose,
+                                        const Correspondences& frame);
+
 /// The scale of the sources about `centre`, their weighted mean, that fits the same moments best in the least-squares
 /// sense, and its standard deviation as above. About that mean it is independent of rotation and translation. Working
 /// frame. 1 and 0 if the moments have no weight or no extent.

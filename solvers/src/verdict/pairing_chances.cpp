@@ -9,6 +9,7 @@
 #include "sampling/counter_random.hpp"
 #include "sampling/sampling.hpp"
 #include "support/points.hpp"
+#include "support/repeated_points.hpp"
 #include "support/row_blocks.hpp"
 
 namespace consimd::detail {
@@ -28,26 +29,45 @@ double share_below(const std::vector<double>& values, double distinct, double bo
   return chance(hits * trials / drawn, trials);
 }
 
+bool equal(const Point& a, const Point& b) { return a.x == b.x && a.y == b.y && a.z == b.z; }
+
 struct ShiftHits {
   double hits = 0.0;
   double trials = 0.0;
 };
 
+ShiftHits single_shift_hits(const CorrespondenceView& view, const WorkingPose& pose, double bound,
+                            std::uint32_t shifts) {
+  const std::size_t size = view.size();
+  const double limit = bound * view.scale();
+  const auto hit = [&](std::size_t i, std::size_t j) {
+    return distance(moved(pose, source_point(view, i)), target_point(view, j)) < limit;
+  };
+  std::vector<std::uint32_t> supporters;
+  for (std::uint32_t k = 0; k < size; ++k) {
+    if (hit(k, k)) supporters.push_back(k);
+  }
+  // A source and a target that are a supporter's in another row are no mismatched pair.
+  const auto is_match = [&](std::size_t i, std::size_t j) {
+    return std::ranges::any_of(supporters, [&](std::uint32_t k) {
+      return equal(source_point(view, k), source_point(view, i)) && equal(target_point(view, k), target_point(view, j));
+    });
+  };
+  ShiftHits result;
+  const std::size_t step = std::max<std::size_t>(1, (size - 1) / shifts);
+  for (std::size_t shift = 1; shift < size; shift += step) {
+    for (std::size_t i = 0; i < size; ++i) {
+      const std::size_t j = (i + shift) % size;
+      if (hit(i, j) && !is_match(i, j)) ++result.hits;
+    }
+    result.trials += static_cast<double>(size);
+  }
+  return result;
+}
+
 ShiftHits shift_hits(const CorrespondenceView& view, const WorkingPose& pose, double bound, std::uint32_t shifts) {
   const std::size_t size = view.size();
   ShiftHits result;
-  if (size <= kSmall) {
-    const double limit = bound * view.scale();
-    const std::size_t step = std::max<std::size_t>(1, (size - 1) / shifts);
-    for (std::size_t shift = 1; shift < size; shift += step) {
-      for (std::size_t i = 0; i < size; ++i) {
-        result.hits +=
-            distance(moved(pose, source_point(view, i)), target_point(view, (i + shift) % size)) < limit ? 1.0 : 0.0;
-      }
-      result.trials += static_cast<double>(size);
-    }
-    return result;
-  }
   const auto blocks = static_cast<std::uint32_t>((size - 1) / kBlock);
   const std::uint32_t used = std::min(shifts, blocks);
   std::vector<std::uint32_t> offsets(used);
@@ -65,9 +85,12 @@ ShiftHits shift_hits(const CorrespondenceView& view, const WorkingPose& pose, do
 
 double pose_chance(const CorrespondenceView& view, const WorkingPose& pose, double bound, std::uint32_t shifts,
                    RareHits rare) {
-  const ShiftHits within = shift_hits(view, pose, bound, shifts);
-  if (rare == RareHits::laplace || within.hits >= kFew || view.size() <= kSmall)
+  if (view.size() <= kSmall || many_to_many(view)) {
+    const ShiftHits within = single_shift_hits(view, pose, bound, shifts);
     return chance(within.hits, within.trials);
+  }
+  const ShiftHits within = shift_hits(view, pose, bound, shifts);
+  if (rare == RareHits::laplace || within.hits >= kFew) return chance(within.hits, within.trials);
   // Hits within twice the bound, and so on, until there are enough; none come nearer than those of the last step alone.
   double factor = 1.0;
   double former = within.hits;

@@ -21,7 +21,8 @@ enum class RareHits : std::uint8_t {
 };
 
 /// Chance that the pose takes a source within `bound` (caller's unit) of the target of any other correspondence, from
-/// `shifts` pairings of all of them, or fewer where there are not as many.
+/// `shifts` pairings of all of them, or fewer where there are not as many. Where points are in many rows (one matched
+/// with all) a source and a target that support the pose in another row are not counted: that pair is no chance.
 double pose_chance(const CorrespondenceView& view, const WorkingPose& pose, double bound, std::uint32_t shifts,
                    RareHits rare);
 

@@ -24,6 +24,8 @@ constexpr double kResolution = 1e-7;
 constexpr double kEverything = 8.0;
 // A reflection explains thin scenes nearly as well as the pose does; this many times its supporters tell.
 constexpr double kMirrorSupportRatio = 1.1;
+// Rows of a set that agree in length with one another and in place under a reflection: by chance hardly so many.
+constexpr std::size_t kLeastImage = 8;
 
 // With the moments of the supporters and the deviation of a residual in the working frame.
 double rotation_deviation(const RigidMoments& moments, double working_sigma) {
@@ -59,8 +61,8 @@ std::vector<std::uint32_t> rows_agreeing_with(const Correspondences& corresponde
   return rows;
 }
 
-bool is_mirrored(const Correspondences& correspondences, const std::vector<std::uint32_t>& set, std::size_t supporters,
-                 double noise_bound) {
+std::size_t mirrored_supporters(const Correspondences& correspondences, const std::vector<std::uint32_t>& set,
+                                double noise_bound) {
   const CorrespondenceView view = correspondences.view();
   std::vector<float> source;
   std::vector<float> target;
@@ -76,11 +78,18 @@ bool is_mirrored(const Correspondences& correspondences, const std::vector<std::
   WorkingPose pose = to_working_pose(RigidTransform::Identity());
   for (const double cutoff : {kEverything, 4.0 * bound, 2.0 * bound, bound}) {
     const RigidFit fit = rigid_fit(robust_moments(mirrored.view(), pose, {.scale = cutoff, .cutoff = cutoff}));
-    if (!fit.determined()) return false;
+    if (!fit.determined()) return 0;
     pose = to_working_pose(fit.pose);
   }
-  return static_cast<double>(pose_inliers(mirrored.view(), pose, bound).size()) >
-         kMirrorSupportRatio * static_cast<double>(supporters);
+  return pose_inliers(mirrored.view(), pose, bound).size();
+}
+
+bool is_mirrored(std::size_t mirrored_supporters, std::size_t supporters) {
+  return static_cast<double>(mirrored_supporters) > kMirrorSupportRatio * static_cast<double>(supporters);
+}
+
+bool is_mirror_image(std::size_t mirrored_supporters, std::size_t set_size) {
+  return mirrored_supporters >= kLeastImage && 2 * mirrored_supporters > set_size;
 }
 
 }  // namespace consimd::detail

@@ -41,7 +41,8 @@ double ResidualMixture::odds() const {
 }
 
 ResidualMixture first_guess(const ResidualHistogram& histogram, std::uint32_t exponent, double scale) {
-  const double total = std::accumulate(histogram.counts.begin(), histogram.counts.end(), 0.0);
+  // Of no residuals at all a mixture is still one.
+  const double total = std::max(std::accumulate(histogram.counts.begin(), histogram.counts.end(), 0.0), 1.0);
   return {exponent, scale, 0.5 * total, 0.5 * total / ball(histogram.cutoff), 0.0};
 }
 

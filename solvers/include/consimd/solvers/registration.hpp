@@ -19,7 +19,7 @@ namespace consimd {
 /// Why a solver stopped.
 enum class Status : std::uint8_t {
   success,                  ///< a pose with significant support
-  too_few_correspondences,  ///< fewer than three
+  too_few_correspondences,  ///< fewer than three, copies and rows far from all others not counted
   no_consensus,             ///< no pose has more support than chance gives
   degenerate_geometry,      ///< the supporters do not determine a pose: coincident, or on a line
   ambiguous,                ///< another motion has about as much support; see Registration::runner_up
@@ -61,22 +61,28 @@ struct Registration {
   /// no pose, and from tcf-published and teaser without refinement, which do not estimate it. Where the scale was
   /// estimated dt also holds what the scale's error adds at the source's origin.
   PoseCovariance covariance = PoseCovariance::Zero();
-  /// Rows within `noise_bound` of the pose, ascending. Empty when there is no pose.
+  /// Rows within `noise_bound` of the pose, ascending, copies of one another included. Empty when there is no pose.
   std::vector<std::uint32_t> inliers;
   /// log10 of the number of equally supported poses expected by chance (see significance.hpp); 0 when no pose was
   /// found. Success needs it below the solver's limit.
   double log10_false_poses = 0.0;
-  /// The best pose of another motion that the search met. One with four fifths of the support is met nearly as surely
-  /// as the best pose. Two rigid motions, or an object that is its own image when turned, show here.
+  /// The best pose of another motion that the search met, where it is significant. One with four fifths of the support
+  /// is met nearly as surely as the best pose. Two rigid motions, or an object that is its own image when turned, show
+  /// here.
   std::optional<RunnerUp> runner_up;
+  /// Without a pose: the rows that agree in length are a mirror image, which no motion brings into place.
+  bool mirrored = false;
   std::vector<StageReport> stages;
   double seconds = 0.0;  ///< wall time of the whole registration
 
   // What was used.
   std::uint64_t seed = 0;
   Isa isa = Isa::scalar;
-  int threads = 1;                 ///< concurrency of the caller's arena
-  double noise_bound = 0.0;        ///< tau, caller's unit
+  int threads = 1;           ///< concurrency of the caller's arena
+  double noise_bound = 0.0;  ///< tau, caller's unit
+  /// What was given, or estimated where nothing was. `noise_bound` is larger where this is below the resolution of the
+  /// data (see Correspondences::resolution).
+  double noise_bound_asked = 0.0;
   double consistency_bound = 0.0;  ///< bound on pairwise length differences, 2 tau
 
   [[nodiscard]] bool has_pose() const noexcept {

@@ -1,0 +1,23 @@
+// What is known of a registration beside its numbers.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include <consimd/kernels/correspondences.hpp>
+#include <consimd/solvers/registration.hpp>
+
+#pragma GCC visibility push(default)
+
+namespace consimd {
+
+/// Sentences for people, each without a full stop; most often none. They tell of rows far from all others and of a
+/// noise bound that was raised; and where no pose was found, of a mirror image, of pair lengths that agree on another
+/// scale (searched with pcr99: some ten times the time of a registration), and of rows too few for any evidence, which
+/// `register_assumed_inliers` takes all the same. Options have the names of the library, which those of the command
+/// follow. The same for any number of threads and every ISA.
+[[nodiscard]] std::vector<std::string> advice(const Correspondences& correspondences, const Registration& result);
+
+}  // namespace consimd
+
+#pragma GCC visibility pop

@@ -1,0 +1,152 @@
+#include <consimd/solvers/assumed_inliers.hpp>
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+#include <string>
+
+#include <Eigen/Core>
+#include <Eigen/Eigenvalues>
+
+#include <consimd/poses/rigid_fit.hpp>
+
+#include "call/option_checks.hpp"
+#include "call/solver_call.hpp"
+#include "verdict/fit_covariance.hpp"
+#include "verdict/pose_checks.hpp"
+
+namespace consimd {
+namespace {
+
+// Coordinates in the working frame are rounded to about this.
+constexpr double kResolution = 1e-7;
+
+Eigen::Vector3d source_vector(const CorrespondenceView& view, std::size_t k) {
+  return {view.source(0)[k], view.source(1)[k], view.source(2)[k]};
+}
+
+Eigen::Vector3d target_vector(const CorrespondenceView& view, std::size_t k) {
+  return {view.target(0)[k], view.target(1)[k], view.target(2)[k]};
+}
+
+// Sums of one cloud.
+struct Cloud {
+  Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+  Eigen::Matrix3d scatter = Eigen::Matrix3d::Zero();
+
+  void add(const Eigen::Vector3d& point) {
+    sum += point;
+    scatter += point * point.transpose();
+  }
+
+  // Of rows whose residuals have this deviation per axis, working frame.
+  [[nodiscard]] PointGeometry geometry(double count, double sigma) const {
+    const Eigen::Vector3d axes =
+        Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(scatter - sum * sum.transpose() / count).eigenvalues();
+    const auto free = [&](double information) {
+      return std::max(sigma, kResolution) > detail::kLargestRotationDeviation * std::sqrt(std::max(information, 0.0));
+    };
+    if (free(axes[2])) return PointGeometry::coincident;
+    return free(axes[0] + axes[1]) ? PointGeometry::collinear : PointGeometry::determined;
+  }
+};
+
+// Moments in double: with few rows single-precision sums would be the larger part of the error.
+struct Sums {
+  Cloud source;
+  Cloud target;
+  RigidMoments moments{};
+};
+
+Sums sums_of(const CorrespondenceView& view) {
+  Sums sums;
+  Eigen::Matrix3d cross = Eigen::Matrix3d::Zero();
+  for (std::size_t k = 0; k < view.size(); ++k) {
+    const Eigen::Vector3d p = source_vector(view, k);
+    const Eigen::Vector3d q = target_vector(view, k);
+    sums.source.add(p);
+    sums.target.add(q);
+    cross += q * p.transpose();
+  }
+  RigidMoments& moments = sums.moments;
+  moments.weight = static_cast<double>(view.size());
+  Eigen::Map<Eigen::Vector3d>(moments.source) = sums.source.sum;
+  Eigen::Map<Eigen::Vector3d>(moments.target) = sums.target.sum;
+  Eigen::Map<Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>(moments.cross) = cross;
+  const Eigen::Matrix3d& s = sums.source.scatter;
+  const double upper[] = {s(0, 0), s(0, 1), s(0, 2), s(1, 1), s(1, 2), s(2, 2)};
+  std::ranges::copy(upper, std::begin(moments.source_scatter));
+  return sums;
+}
+
+void solve(const Correspondences& correspondences, AssumedInliers& result) {
+  const CorrespondenceView view = correspondences.view();
+  Registration& registration = result.registration;
+  if (view.size() < 3) {
+    registration.status = Status::too_few_correspondences;
+    return;
+  }
+  Sums sums = sums_of(view);
+  const RigidFit fit = rigid_fit(sums.moments);
+  std::vector<double> residuals(view.size());
+  for (std::size_t k = 0; k < view.size(); ++k) {
+    residuals[k] = (fit.pose * source_vector(view, k) - target_vector(view, k)).norm();
+  }
+  const double squares = std::inner_product(residuals.begin(), residuals.end(), residuals.begin(), 0.0);
+  const double freedom = 3.0 * sums.moments.weight - 6.0;
+  const double sigma = std::sqrt(squares / freedom);
+  result.geometry =
+      std::max(sums.source.geometry(sums.moments.weight, sigma), sums.target.geometry(sums.moments.weight, sigma));
+  if (result.geometry == PointGeometry::determined && !fit.determined()) result.geometry = PointGeometry::collinear;
+  if (result.geometry != PointGeometry::determined) {
+    registration.status = Status::degenerate_geometry;
+    return;
+  }
+  for (double& residual : residuals) residual /= view.scale();
+  result.residuals = std::move(residuals);
+  result.sigma = sigma / view.scale();
+  registration.status = Status::success;
+  registration.T_target_source = to_caller_frame(fit.pose, correspondences);
+  registration.inliers.resize(view.size());
+  std::iota(registration.inliers.begin(), registration.inliers.end(), 0U);
+  registration.noise_bound = std::ranges::max(result.residuals);
+  registration.noise_bound_asked = registration.noise_bound;
+  registration.consistency_bound = 2.0 * registration.noise_bound;
+  registration.covariance = detail::least_squares_covariance(sums.moments, sigma * sigma, fit.pose, correspondences);
+}
+
+}  // namespace
+
+std::string_view to_string(PointGeometry geometry) noexcept {
+  switch (geometry) {
+    case PointGeometry::determined:
+      return "determined";
+    case PointGeometry::collinear:
+      return "collinear";
+    case PointGeometry::coincident:
+      return "coincident";
+  }
+  return "unknown";
+}
+
+AssumedInliers register_assumed_inliers(const Correspondences& correspondences) {
+  if (!correspondences.far_rows().empty()) {
+    detail::reject_option("row", correspondences.far_rows().front(),
+                          "to be as right as all others, but it lies hundreds of times the extent of the others away: "
+                          "remove it");
+  }
+  AssumedInliers result;
+  result.registration = detail::start_registration(0.0, 0.0, 0);
+  StageReport stage{"least_squares", correspondences.size()};
+  {
+    const detail::StageClock clock(result.registration.seconds);
+    solve(correspondences, result);
+  }
+  stage.output = result.registration.inliers.size();
+  stage.iterations = 1;
+  stage.seconds = result.registration.seconds;
+  result.registration.stages = {stage};
+  return result;
+}
+
+}  // namespace consimd
