@@ -115,12 +115,17 @@ NumberTable read_rows(const fs::path& path) {
   return table;
 }
 
+// Products of poses and text of single precision leave as much in the last row.
+constexpr double kLastRowRounding = 1e-6;
+
 Eigen::Matrix<double, 3, 4> read_matrix(const fs::path& path) {
   const NumberTable table = read_number_table(path, 4);
   if (table.rows() != 3 && table.rows() != 4) fail(path, "expected 3 or 4 rows, got " + std::to_string(table.rows()));
   const Eigen::Map<const Eigen::Matrix<double, 3, 4, Eigen::RowMajor>> pose(table.values.data());
   if (table.rows() == 4 &&
-      Eigen::Map<const Eigen::RowVector4d>(table.values.data() + 12) != Eigen::RowVector4d(0, 0, 0, 1)) {
+      !((Eigen::Map<const Eigen::RowVector4d>(table.values.data() + 12) - Eigen::RowVector4d(0, 0, 0, 1))
+            .cwiseAbs()
+            .maxCoeff() <= kLastRowRounding)) {
     fail(path, "the last row must be 0 0 0 1");
   }
   return pose;
@@ -165,6 +170,10 @@ void write_problem(const Problem& problem, const fs::path& folder) {
   correspondences.commit();
   pose.commit();
   labels.commit();
+}
+
+void write_pose(const RigidTransform& pose, double scale, const fs::path& path) {
+  PendingFile(path, pose_text(pose, scale)).commit();
 }
 
 Correspondences read_correspondences(const fs::path& path) {

@@ -62,13 +62,24 @@ TEST_F(NumberTableTest, NamesTheLineOfAFault) {
   expect_error("1 -inf 3\n", "1: '-inf' is not finite");
   expect_error("1 2 1e999\n", "1: '1e999' is out of a double's range");
   expect_error("1,,3\n", "1: nothing between two commas");
-  expect_error("1,2,3,\n", "1: nothing between two commas");
+  expect_error("1,2,3,\n", "1: a comma at the end of the line: remove it");
   expect_error(",1,2,3\n", "1: nothing between two commas");
-  expect_error("1;2;3\n", "1: '1;2;3' is not a number");
+  expect_error("1;2;3\n", "1: '1;2;3' is not a number: separate numbers by blanks or commas, not by ';'");
+  expect_error("x y z\n1 2 3\n", "1: 'x' is not a number: is this a header? Remove the line, or put '#' before it");
+  expect_error("# x y z\nsource_x,y,z\n1,2,3\n",
+               "2: 'source_x' is not a number: is this a header? Remove the line, or put '#' before it");
+}
+
+TEST_F(NumberTableTest, SaysWhatToDoWithUtf16) {
+  for (const std::string& text : {std::string("\xFF\xFE\x31\0\x20\0", 6), std::string("1\0 \0002\0", 6)}) {
+    write_text(path_, text);
+    EXPECT_THAT([&] { (void)read_number_table(path_, 3); },
+                ThrowsMessage<std::runtime_error>(testing::HasSubstr("UTF-16 text, expected UTF-8 or ASCII")));
+  }
 }
 
 TEST_F(NumberTableTest, ShowsBinaryDataInPrintableCharacters) {
-  expect_error(std::string("\x01\x80\x00z 2 3", 8), "1: '???z' is not a number");
+  expect_error("\x01\x80\x02z 2 3", "1: '???z' is not a number");
   expect_error(std::string(100, 'a'), "1: '" + std::string(40, 'a') + "...' is not a number");
 }
 

@@ -30,6 +30,21 @@ TEST_F(PoseReadingTest, ReadsThreeAndFourRows) {
   }
 }
 
+TEST_F(PoseReadingTest, TakesALastRowThatIsOffByRounding) {
+  EXPECT_TRUE(read(kQuarterTurn + std::string("1e-17 -2.3e-16 0 0.9999999999999998\n"))
+                  .linear()
+                  .isApprox(read(kQuarterTurn).linear()));
+  EXPECT_THROW((void)read(kQuarterTurn + std::string("0 0 1e-5 1\n")), std::runtime_error);
+}
+
+TEST_F(PoseReadingTest, ReadsWhatIsWritten) {
+  const RigidTransform pose = read("0.36 0.48 -0.8 1e-3\n-0.8 0.6 0 2\n0.48 0.64 0.6 -3e7\n");
+  write_pose(pose, 2.5, folder_ / "written.txt");
+  const ScaledPose again = read_scaled_pose(folder_ / "written.txt");
+  EXPECT_TRUE(again.T_target_source.isApprox(pose, 1e-14));
+  EXPECT_NEAR(again.scale, 2.5, 1e-14);
+}
+
 TEST_F(PoseReadingTest, MakesARotationOfRoundedNumbers) {
   const RigidTransform pose = read("0.866 -0.5 0 0\n0.5 0.866 0 0\n0 0 1 0\n");
   EXPECT_TRUE((pose.linear() * pose.linear().transpose()).isIdentity(1e-15));

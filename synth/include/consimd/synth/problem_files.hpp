@@ -2,7 +2,7 @@
 //
 // A file of numbers has rows of as many numbers each, separated by blanks or single commas, whatever the locale. '#'
 // starts a comment; empty lines, CRLF ends and a UTF-8 byte-order mark are allowed. Anything else (another count of
-// numbers, text, NaN, infinity) is a std::runtime_error "FILE:LINE: what".
+// numbers, text, NaN, infinity, UTF-16) is a std::runtime_error "FILE:LINE: what". The file "-" is the standard input.
 #pragma once
 
 #include <filesystem>
@@ -24,12 +24,16 @@ namespace consimd::synth {
 /// half-written. Throws std::runtime_error naming the path.
 void write_problem(const Problem& problem, const std::filesystem::path& folder);
 
+/// Writes `pose` with `scale` as `write_problem` writes the true one. Throws std::runtime_error naming the path.
+void write_pose(const RigidTransform& pose, double scale, const std::filesystem::path& path);
+
 /// Reads N >= 3 rows of source x y z and target x y z. Throws std::runtime_error that names the file, and the line
 /// where there is one.
 [[nodiscard]] Correspondences read_correspondences(const std::filesystem::path& path);
 
-/// Reads a 4 x 4 or 3 x 4 matrix [R t]. R must be a rotation within 1e-3 an entry of R R^T, as files with few digits
-/// are; the nearest rotation is returned. Throws std::runtime_error that names the file.
+/// Reads a 4 x 4 or 3 x 4 matrix [R t]; a fourth row may be off 0 0 0 1 by rounding. R must be a rotation within 1e-3
+/// an entry of R R^T, as files with few digits are; the nearest rotation is returned. Throws std::runtime_error that
+/// names the file.
 [[nodiscard]] RigidTransform read_pose(const std::filesystem::path& path);
 
 /// x_target = R (scale * x_source) + t.
