@@ -1,12 +1,19 @@
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <cstdint>
 #include <filesystem>
 #include <memory>
 #include <optional>
 #include <stdexcept>
+#include <string>
+#include <utility>
 
 #include <fmt/format.h>
 
+#include <consimd/kernels/alignment_residuals.hpp>
+#include <consimd/solvers/advice.hpp>
+#include <consimd/solvers/assumed_inliers.hpp>
 #include <consimd/solvers/solver.hpp>
 #include <consimd/synth/metrics.hpp>
 #include <consimd/synth/problem_files.hpp>
@@ -32,8 +39,11 @@ struct Options {
   std::uint64_t seed = SolverOptions().seed;
   std::uint32_t repeat = 1;
   int threads = 1;
+  bool assume_inliers = false;
   std::string truth;
   std::string json;
+  std::string save_pose;
+  std::string save_inliers;
 };
 
 void check(const Options& options) {
@@ -43,6 +53,40 @@ void check(const Options& options) {
   }
   static_cast<void>(filter_by_name(options.filter));
   if (!options.json.empty() && options.json != "-") studies::require_replaceable(options.json);
+  for (const auto& [name, file] :
+       {std::pair("--save-pose", options.save_pose), std::pair("--save-inliers", options.save_inliers)}) {
+    if (file.empty()) continue;
+    if (options.repeat != 1) throw std::invalid_argument(fmt::format("{}: writes one run, not --repeat of them", name));
+    studies::require_replaceable(file);
+  }
+  if (options.assume_inliers && (options.noise_bound || options.estimate_scale || options.repeat != 1)) {
+    throw std::invalid_argument(
+        "--assume-inliers: searches nothing, so it takes no --noise-bound, --estimate-scale or --repeat");
+  }
+}
+
+/// Whether many more rows agree with the inverse of `truth` than with itself.
+bool looks_inverted(const Correspondences& correspondences, const RigidTransform& truth, double noise_bound) {
+  const std::array<WorkingPose, 2> poses{to_working_pose(to_working_frame(truth, correspondences)),
+                                         to_working_pose(to_working_frame(truth.inverse(), correspondences))};
+  std::array<std::uint32_t, 2> counts{};
+  alignment_counts(correspondences, poses, noise_bound, counts);
+  return counts[1] >= 3 && counts[1] > 2 * counts[0];
+}
+
+/// The inliers of the run as rows of the file's correspondences, from 0.
+std::string inlier_text(const Registration& run) {
+  std::string text = "# correspondences within the noise bound of the pose, counted from 0\n";
+  for (const std::uint32_t row : run.inliers) text += fmt::format("{}\n", row);
+  return text;
+}
+
+void save(const Options& options, const RegisterReport& report) {
+  const Registration& run = report.runs.front();
+  if (!options.save_pose.empty() && run.has_pose()) {
+    synth::write_pose(run.T_target_source, report.estimate_scale ? run.scale : 1.0, options.save_pose);
+  }
+  if (!options.save_inliers.empty() && run.has_pose()) studies::replace_file(options.save_inliers, inlier_text(run));
 }
 
 int run_register(const Options& options) {
@@ -51,11 +95,12 @@ int run_register(const Options& options) {
   RegisterReport report{.file = options.file,
                         .isa = std::string(to_string(active_isa())),
                         .threads = options.threads,
-                        .solver = choice.name(),
+                        .solver = options.assume_inliers ? "least_squares" : choice.name(),
                         .options = choice.given(),
                         .filter = filter_by_name(options.filter),
                         .estimate_scale = options.estimate_scale || choice.estimates_scale(),
-                        .noise_bound = options.noise_bound};
+                        .noise_bound = options.noise_bound,
+                        .assumed_inliers = options.assume_inliers};
   std::optional<synth::ScaledPose> truth;
   if (!options.truth.empty()) {
     truth = report.estimate_scale ? synth::read_scaled_pose(options.truth)
@@ -65,12 +110,24 @@ int run_register(const Options& options) {
   report.correspondences = correspondences.size();
 
   with_threads(options.threads, [&] {
+    if (options.assume_inliers) {
+      AssumedInliers found = register_assumed_inliers(correspondences);
+      report.runs.push_back(std::move(found.registration));
+      report.residuals = std::move(found.residuals);
+      report.sigma = found.sigma;
+      if (found.geometry != PointGeometry::determined) {
+        report.notes.push_back(
+            fmt::format("the points of a cloud are {}: they leave a rotation free", to_string(found.geometry)));
+      }
+      return;
+    }
     for (std::uint32_t run = 0; run < options.repeat; ++run) {
       report.runs.push_back(register_by_choice(choice, correspondences,
                                                {.noise_bound = options.noise_bound,
                                                 .seed = options.seed + run,
                                                 .filter = report.filter,
                                                 .estimate_scale = options.estimate_scale}));
+      if (report.notes.empty()) report.notes = advice(correspondences, report.runs.back());
     }
   });
   if (truth) {
@@ -79,6 +136,8 @@ int run_register(const Options& options) {
                                synth::translation_error(run.T_target_source, truth->T_target_source),
                                synth::scale_error(run.scale, truth->scale)});
     }
+    report.truth_inverted = !report.estimate_scale &&
+                            looks_inverted(correspondences, truth->T_target_source, report.runs.front().noise_bound);
   }
 
   if (options.json.empty()) {
@@ -88,6 +147,7 @@ int run_register(const Options& options) {
   } else {
     studies::replace_file(options.json, to_json(report));
   }
+  save(options, report);
   const bool all_found = std::all_of(report.runs.begin(), report.runs.end(), [](const Registration& run) {
     return run.has_pose() && run.status != Status::ambiguous;
   });
@@ -102,7 +162,7 @@ void add_register_command(CLI::App& app, Action& run) {
   command
       ->add_option("FILE", options->file,
                    "Text, a correspondence a line: source x y z, target x y z, separated by blanks or commas; '#' "
-                   "starts a comment")
+                   "starts a comment. '-' is the standard input")
       ->required();
   command->add_option(
       "--noise-bound", options->noise_bound,
@@ -117,6 +177,9 @@ void add_register_command(CLI::App& app, Action& run) {
       "Find the scale of the source as well: x_target = R (scale * x_source) + t. Needs --noise-bound, in "
       "the target's unit, and a solver that can (" +
           scale_solvers() + ")");
+  command->add_flag("--assume-inliers", options->assume_inliers,
+                    "Take every row as right, three or more: the least-squares pose with the residual of each row, for "
+                    "targets that somebody has checked. Nothing is searched or tested");
   command->add_option("--seed", options->seed, "Seed of the first run")->check(whole_number())->capture_default_str();
   command->add_option("--repeat", options->repeat, "Runs, with seeds seed, seed + 1, ...")
       ->check(whole_number(1, 1'000'000))
@@ -127,6 +190,13 @@ void add_register_command(CLI::App& app, Action& run) {
                       "--estimate-scale its rotation may be multiplied by the scale");
   command->add_option("--json", options->json,
                       "Write the result as JSON to this file, or to the standard output ('-')");
+  command->add_option("--save-pose", options->save_pose,
+                      "Write the pose, if there is one, to this file as --truth reads it: 4 x 4, with --estimate-scale "
+                      "its rotation multiplied by the scale");
+  command->add_option(
+      "--save-inliers", options->save_inliers,
+      "Write the inliers, if there is a pose, to this file: a row of FILE a line, counted from 0 without "
+      "comments");
   command->footer(
       "Exit code: 0 when every run found a pose, 1 when one did not or left two to choose from, 2 on bad usage or "
       "input.\n"
@@ -135,6 +205,7 @@ void add_register_command(CLI::App& app, Action& run) {
       "  consimd register pair.txt --noise-bound 0.6                         metres, lidar clouds of 0.3 m voxels\n"
       "  consimd register pair.txt --noise-bound 0.6 --repeat 50 --truth pose.txt\n"
       "  consimd register pair.txt --noise-bound 0.6 --json -                to the next program\n"
+      "  consimd register targets.txt --assume-inliers --save-pose pose.txt  a few targets, all of them right\n"
       "  consimd register pair.txt --noise-bound 0.6 --solver ransac --option max_iterations=10000\n"
       "  consimd register pair.txt --noise-bound 0.6 --solver pcr99 --estimate-scale   clouds in different units");
   command->callback([&run, options] { run = [options] { return run_register(*options); }; });

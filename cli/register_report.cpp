@@ -4,6 +4,8 @@
 #include <cmath>
 #include <iterator>
 #include <numbers>
+#include <string_view>
+#include <utility>
 
 #include <fmt/format.h>
 #include <Eigen/Cholesky>
@@ -41,15 +43,20 @@ Json run_json(const RegisterReport& report, std::size_t index) {
                {"status", to_string(run.status)},
                {"noise_bound", run.noise_bound},
                {"log10_false_poses", run.log10_false_poses},
-               {"T_target_source", rows_of(run.T_target_source.matrix())},
-               {"covariance", rows_of(run.covariance)},
+               {"T_target_source", run.has_pose() ? rows_of(run.T_target_source.matrix()) : Json(nullptr)},
+               {"covariance", run.has_pose() ? rows_of(run.covariance) : Json(nullptr)},
                {"inlier_count", run.inliers.size()},
                {"inliers", run.inliers},
                {"seconds", run.seconds},
                {"stages", stages}};
+  const auto of_pose = [&run](double value) { return run.has_pose() ? Json(value) : Json(nullptr); };
   if (report.estimate_scale) {
-    json["scale"] = run.scale;
-    json["scale_deviation"] = run.scale_deviation;
+    json["scale"] = of_pose(run.scale);
+    json["scale_deviation"] = of_pose(run.scale_deviation);
+  }
+  if (report.assumed_inliers && run.has_pose()) {
+    json["residuals"] = report.residuals;
+    json["sigma"] = report.sigma;
   }
   if (run.runner_up) {
     json["runner_up"] = {{"support", run.runner_up->support},
@@ -58,9 +65,9 @@ Json run_json(const RegisterReport& report, std::size_t index) {
     if (report.estimate_scale) json["runner_up"]["scale"] = run.runner_up->scale;
   }
   if (!report.errors.empty()) {
-    json["rotation_error_deg"] = report.errors[index].rotation_deg;
-    json["translation_error"] = report.errors[index].translation;
-    if (report.estimate_scale) json["scale_error"] = report.errors[index].scale;
+    json["rotation_error_deg"] = of_pose(report.errors[index].rotation_deg);
+    json["translation_error"] = of_pose(report.errors[index].translation);
+    if (report.estimate_scale) json["scale_error"] = of_pose(report.errors[index].scale);
   }
   return json;
 }
@@ -76,16 +83,27 @@ PoseErrors deviations(const PoseCovariance& covariance) {
   return {kDegrees * std::sqrt(rotation.trace()), std::sqrt(std::max(position.trace(), 0.0))};
 }
 
+// More than a page of them is for a program to read.
+constexpr std::size_t kResidualsShown = 40;
+
 std::string run_text(const RegisterReport& report) {
   const Registration& run = report.runs.front();
   fmt::memory_buffer text;
   const auto out = std::back_inserter(text);
-  fmt::format_to(out, "status        {} (seed {})\n", to_string(run.status), run.seed);
-  fmt::format_to(out, "inliers       {} within {:.4g} of the pose\n", run.inliers.size(), run.noise_bound);
-  fmt::format_to(out, "by chance     10^{:.1f} poses of such support expected\n", run.log10_false_poses);
+  if (report.assumed_inliers) {
+    fmt::format_to(out, "status        {} (all rows assumed to be inliers)\n", to_string(run.status));
+    if (run.has_pose()) {
+      fmt::format_to(out, "residuals     deviation {:.4g} per axis, largest {:.4g}\n", report.sigma, run.noise_bound);
+    }
+  } else {
+    fmt::format_to(out, "status        {} (seed {})\n", to_string(run.status), run.seed);
+    fmt::format_to(out, "inliers       {} within {:.4g} of the pose\n", run.inliers.size(), run.noise_bound);
+    fmt::format_to(out, "by chance     10^{:.1f} poses of such support expected\n", run.log10_false_poses);
+  }
   if (run.runner_up) fmt::format_to(out, "runner-up     another motion has {} inliers\n", run.runner_up->support);
   fmt::format_to(out, "time          {:.3f} ms\n", 1e3 * run.seconds);
   for (const PoseErrors& error : report.errors) {
+    if (!run.has_pose()) break;
     fmt::format_to(out, "errors        rotation {:.4g} deg, translation {:.4g}\n", error.rotation_deg,
                    error.translation);
     if (report.estimate_scale) fmt::format_to(out, "              scale {:.4g} %\n", 100.0 * error.scale);
@@ -97,6 +115,9 @@ std::string run_text(const RegisterReport& report) {
     const PoseErrors deviation = deviations(run.covariance);
     fmt::format_to(out, "deviation     rotation {:.4g} deg, position {:.4g} at the inliers' centre\n",
                    deviation.rotation_deg, deviation.translation);
+  }
+  for (std::size_t row = 0; row < std::min(report.residuals.size(), kResidualsShown); ++row) {
+    fmt::format_to(out, "row {:<9} residual {:.4g}\n", row, report.residuals[row]);
   }
   if (run.has_pose()) {
     fmt::format_to(out, "T_target_source{}\n", report.estimate_scale ? " of the scaled source" : "");
@@ -142,16 +163,44 @@ std::string summary_text(const RegisterReport& report) {
   if (report.estimate_scale) {
     fmt::format_to(out, "  scale       {:.10g}\n", median_of(runs, [](const Registration& run) { return run.scale; }));
   }
-  if (!report.errors.empty()) {
-    fmt::format_to(out, "  errors      rotation {:.4g} deg, translation {:.4g}\n",
-                   median_of(report.errors, [](const PoseErrors& error) { return error.rotation_deg; }),
-                   median_of(report.errors, [](const PoseErrors& error) { return error.translation; }));
+  if (!report.errors.empty() && found > 0) {
+    std::vector<PoseErrors> errors;
+    for (std::size_t i = 0; i < runs.size(); ++i) {
+      if (runs[i].has_pose()) errors.push_back(report.errors[i]);
+    }
+    fmt::format_to(out, "  errors      rotation {:.4g} deg, translation {:.4g}{}\n",
+                   median_of(errors, [](const PoseErrors& error) { return error.rotation_deg; }),
+                   median_of(errors, [](const PoseErrors& error) { return error.translation; }),
+                   errors.size() == runs.size() ? "" : fmt::format(" (of the {} with a pose)", errors.size()));
     if (report.estimate_scale) {
       fmt::format_to(out, "              scale {:.4g} %\n",
-                     median_of(report.errors, [](const PoseErrors& error) { return 100.0 * error.scale; }));
+                     median_of(errors, [](const PoseErrors& error) { return 100.0 * error.scale; }));
     }
   }
   return fmt::to_string(text);
+}
+
+// What people are told, in the names of the command's options.
+std::vector<std::string> notes_of(const RegisterReport& report) {
+  std::vector<std::string> notes = report.notes;
+  for (std::string& note : notes) {
+    for (const auto& [option, flag] :
+         {std::pair("estimate_scale", "--estimate-scale"), std::pair("assume_inliers", "--assume-inliers")}) {
+      if (const std::size_t at = note.find(option); at != std::string::npos) {
+        note.replace(at, std::string_view(option).size(), flag);
+      }
+    }
+  }
+  if (report.truth_inverted) {
+    notes.emplace_back("the rows support the inverse of --truth, not itself: it must take source points to the target");
+  }
+  return notes;
+}
+
+std::string notes_text(const RegisterReport& report) {
+  std::string text;
+  for (const std::string& note : notes_of(report)) text += fmt::format("note          {}\n", note);
+  return text;
 }
 
 }  // namespace
@@ -164,6 +213,8 @@ std::string to_json(const RegisterReport& report) {
   if (!report.options.empty()) head["options"] = options_json(report.options);
   if (report.estimate_scale) head["estimate_scale"] = true;
   if (report.filter != Filter::none) head["filter"] = to_string(report.filter);
+  if (report.assumed_inliers) head["assume_inliers"] = true;
+  if (const std::vector<std::string> notes = notes_of(report); !notes.empty()) head["notes"] = notes;
   std::string text = dump(head);
   text.pop_back();  // the closing brace: runs follow, each on a line of its own
   text += ",\n\"runs\":[";
@@ -181,9 +232,11 @@ std::string to_text(const RegisterReport& report) {
              "solver        {}{}, noise bound {}, {} on {} thread{}\n",
              report.file, report.correspondences, solver,
              report.filter == Filter::none ? "" : fmt::format(" after filter {}", to_string(report.filter)),
-             report.noise_bound ? fmt::format("{}", *report.noise_bound) : "estimated", report.isa, report.threads,
-             report.threads == 1 ? "" : "s") +
-         (report.runs.size() == 1 ? run_text(report) : summary_text(report));
+             report.noise_bound       ? fmt::format("{}", *report.noise_bound)
+             : report.assumed_inliers ? "none"
+                                      : "estimated",
+             report.isa, report.threads, report.threads == 1 ? "" : "s") +
+         notes_text(report) + (report.runs.size() == 1 ? run_text(report) : summary_text(report));
 }
 
 }  // namespace consimd::cli

@@ -29,6 +29,13 @@ struct RegisterReport {
   std::optional<double> noise_bound = {};  ///< none: estimated in each run
   std::vector<Registration> runs = {};
   std::vector<PoseErrors> errors = {};  ///< one per run, or none without a ground truth
+  /// More rows are supported by the inverse of the given ground truth than by itself.
+  bool truth_inverted = false;
+  /// Sentences for people (see advice.hpp), of the first run that has any.
+  std::vector<std::string> notes = {};
+  bool assumed_inliers = false;        ///< nothing was searched: the one run is the least-squares pose of all rows
+  std::vector<double> residuals = {};  ///< of each row; with assumed_inliers only
+  double sigma = 0.0;                  ///< deviation of a residual per axis; with assumed_inliers only
 };
 
 /// One JSON object, a line per run. Numbers read back to the same bits; results that are the same give the same bytes

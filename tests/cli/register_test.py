@@ -210,12 +210,108 @@ class Register(CommandTest):
             result = self.json(file, "--noise-bound", 0.1, "--repeat", 2, code=1)
             for run in result["runs"]:
                 self.assertEqual(run["status"], "degenerate_geometry")
-                self.assertEqual(run["T_target_source"], [[1, 0, 0, 0], [0, 1, 0, 0], [0, 0, 1, 0], [0, 0, 0, 1]])
-                self.assertEqual(run["covariance"], [[0] * 6] * 6)
+                self.assertIsNone(run["T_target_source"])
+                self.assertIsNone(run["covariance"])
                 self.assertEqual(run["inliers"], [])
             command = ["register", file, "--noise-bound", 0.1]
             self.assertIn("degenerate_geometry", self.run_command(*command, code=1))
             self.assertIn("0 with a pose", self.run_command(*command, "--repeat", 2, code=1))
+
+    def corners(self):
+        """The corners of a rectangle turned by 90 degrees about z and moved: 3 x 4 metres."""
+        rows = [(x, y, 0, 1 - y, 1 + x, 2) for x, y in ((0, 0), (4, 0), (4, 3), (0, 3))]
+        return self.write("corners.txt", "\n".join(" ".join(map(str, row)) for row in rows))
+
+    def test_assumed_inliers(self):
+        file = self.corners()
+        pose = [[0, -1, 0, 1], [1, 0, 0, 1], [0, 0, 1, 2], [0, 0, 0, 1]]
+        result = self.json(file, "--assume-inliers")
+        self.assertIs(result["assume_inliers"], True)
+        (run,) = result["runs"]
+        self.assertEqual((run["status"], run["inliers"]), ("success", [0, 1, 2, 3]))
+        for row, expected in zip(run["T_target_source"], pose):
+            for value, number in zip(row, expected):
+                self.assertAlmostEqual(value, number, delta=1e-6)
+        self.assertEqual(len(run["residuals"]), 4)
+        self.assertLess(max(run["residuals"]), 1e-6)
+        text = self.run_command("register", file, "--assume-inliers")
+        self.assertIn("all rows assumed to be inliers", text)
+        self.assertIn("row 3         residual", text)
+        alone = self.run_command("register", file, "--noise-bound", 0.01, code=1)
+        self.assertIn("too little evidence to tell a pose from chance", alone)
+        self.assertIn("use --assume-inliers", alone)
+        line = self.write("line.txt", "\n".join(f"{k} 0 0 0 {k} 0" for k in range(5)))
+        text = self.run_command("register", line, "--assume-inliers", code=1)
+        self.assertIn("degenerate_geometry", text)
+        self.assertIn("collinear", text)
+        self.assert_error("register", file, "--assume-inliers", "--noise-bound", 1, says="--assume-inliers")
+
+    def test_pose_and_inliers_are_saved(self):
+        file = self.problem()
+        run = self.json(file, "--noise-bound", 0.3, "--save-pose", "pose.txt", "--save-inliers", "inliers.txt")["runs"][0]
+        again = self.json(file, "--noise-bound", 0.3, "--truth", "pose.txt")["runs"][0]
+        self.assertLess(again["rotation_error_deg"], 1e-10)
+        rows = [int(line) for line in (self.folder / "inliers.txt").read_text().splitlines() if line[0] != "#"]
+        self.assertEqual(rows, run["inliers"])
+        self.assert_error("register", file, "--noise-bound", 1, "--save-pose", "p/none/x", says="cannot write")
+        self.assert_error("register", file, "--repeat", 2, "--save-pose", "x", says="--save-pose: writes one run")
+
+    def test_standard_input(self):
+        file = self.problem()
+        text = (self.folder / file).read_text()
+        done = subprocess.run(
+            [CONSIMD, "register", "-", "--noise-bound", "0.3", "--json", "-"],
+            cwd=self.folder, input=text, capture_output=True, text=True,
+        )
+        self.assertEqual(done.returncode, 0, done.stderr)
+        expected = self.json(file, "--noise-bound", 0.3)["runs"][0]["T_target_source"]
+        self.assertEqual(json.loads(done.stdout)["runs"][0]["T_target_source"], expected)
+
+    def test_notes(self):
+        file = self.problem()
+        rows = [list(map(float, line.split())) for line in (self.folder / file).read_text().splitlines()[1:]]
+
+        def notes(rows, *arguments, code=1):
+            file = self.write("noted.txt", "\n".join(" ".join(map(str, row)) for row in rows))
+            result = self.json(file, "--noise-bound", 0.3, *arguments, code=code)
+            return " ".join(result.get("notes", []))
+
+        self.assertEqual(notes(rows, code=0), "")
+        self.assertIn("scale of 1000: see --estimate-scale", notes([[x / 1000 for x in row[:3]] + row[3:] for row in rows]))
+        self.assertIn("a mirror image fits", notes([[-row[0], *row[1:]] for row in rows]))
+        far = notes([*rows, [1e9, 0, 0, 1, 2, 3]], code=0)
+        self.assertIn("1 row lies far from all others and count as outliers: row 400", far)
+        inverse = json.loads(self.run_command("register", file, "--noise-bound", 0.3, "--json", "-"))
+        rotation = [row[:3] for row in inverse["runs"][0]["T_target_source"][:3]]
+        shift = [row[3] for row in inverse["runs"][0]["T_target_source"][:3]]
+        lines = []
+        for column in range(3):
+            turned = [rotation[row][column] for row in range(3)]
+            lines.append(" ".join(map(str, [*turned, -sum(a * b for a, b in zip(turned, shift))])))
+        self.write("inverse.txt", "\n".join(lines))
+        self.assertIn("inverse of --truth", notes(rows, "--truth", "inverse.txt", code=0))
+
+    def test_tiny_noise_bound_is_raised(self):
+        rows = [[x, y, z, x + 5, y - 3, z + 1] for x in range(5) for y in (0, 2, 7) for z in (0, 1, 4)]
+        file = self.write("exact.txt", "\n".join(" ".join(map(str, row)) for row in rows))
+        result = self.json(file, "--noise-bound", 1e-12)
+        self.assertEqual(result["noise_bound"], 1e-12)
+        self.assertGreater(result["runs"][0]["noise_bound"], 1e-7)
+        self.assertEqual(result["runs"][0]["inlier_count"], len(rows))
+        self.assertIn("noise bound 1e-12 is below what the coordinates resolve", " ".join(result["notes"]))
+
+    def test_runs_without_a_pose_have_no_errors(self):
+        numbers = random.Random(3)
+        rows = [[numbers.uniform(-10, 10) for _ in range(6)] for _ in range(30)]
+        file = self.write("none.txt", "\n".join(" ".join(map(str, row)) for row in rows))
+        self.write("pose.txt", "1 0 0 0\n0 1 0 0\n0 0 1 0\n0 0 1e-17 1\n")
+        result = self.json(file, "--noise-bound", 0.01, "--repeat", 2, "--truth", "pose.txt", code=1)
+        for run in result["runs"]:
+            self.assertIsNone(run["T_target_source"])
+            self.assertIsNone(run["rotation_error_deg"])
+            self.assertIsNone(run["translation_error"])
+        text = self.run_command("register", file, "--noise-bound", 0.01, "--repeat", 2, "--truth", "pose.txt", code=1)
+        self.assertNotIn("  errors", text)
 
     def test_bad_files(self):
         good = "1 2 3 4 5 6\n" * 5
