@@ -67,15 +67,16 @@ class Registration:
     """What `register` found. Lengths are in the unit of the points."""
 
     status: Status
-    pose: NDArray[np.float64]
+    pose: NDArray[np.float64] | None
     """(4, 4), T_target_source, rigid: takes source points to the target frame, p -> scale * pose[:3, :3] @ p +
-    pose[:3, 3]. The identity unless `has_pose`."""
+    pose[:3, 3]. None unless `has_pose`."""
     scale: float
     """Of the source. 1, unless a solver with estimate_scale=True found it."""
     scale_deviation: float
     """Standard deviation of `scale`; 0 where that was not estimated."""
     inliers: NDArray[np.int64]
-    """(K,) rows of the input within `noise_bound` of the pose, ascending. Empty without a pose."""
+    """(K,) positions in the input, from 0, of the rows within `noise_bound` of the pose, ascending: of a DataFrame,
+    what `iloc` takes. Empty without a pose."""
     covariance: NDArray[np.float64]
     """(6, 6), of the pose's error: rotation (rad) before translation, along the axes of the target frame,
     R_true = Exp(theta) R. At the origin of the source frame, so lever arms count. Zero without a pose, and from
@@ -95,9 +96,21 @@ class Registration:
     """The instruction set that the kernels ran on."""
     threads: int
     noise_bound: float
-    """What was used: given, or estimated."""
+    """What was used: given, or estimated; larger than that where it was below what the coordinates resolve. With
+    `assume_inliers` the largest residual."""
+    noise_bound_asked: float
+    """What was given, or estimated."""
     consistency_bound: float
     """Bound on differences of lengths, twice the noise bound."""
+    mirrored: bool
+    """Whether, without a pose, the rows agree on a mirror image, which no motion brings into place."""
+    residuals: NDArray[np.float64] | None = None
+    """(N,), of each row under the pose. With `assume_inliers` only."""
+    sigma: float | None = None
+    """Standard deviation of a residual per axis, with 3 N - 6 degrees of freedom. With `assume_inliers` only."""
+    geometry: str | None = None
+    """"determined", or "collinear" or "coincident" where the points of a cloud leave a rotation free. With
+    `assume_inliers` only."""
 
     @property
     def has_pose(self) -> bool:
@@ -153,6 +166,7 @@ def register(
     *,
     filter: str = "none",
     threads: int | None = None,
+    assume_inliers: bool = False,
     **options: Any,
 ) -> Registration: ...
 @overload
@@ -165,6 +179,7 @@ def register(
     *,
     filter: str = "none",
     threads: int | None = None,
+    assume_inliers: bool = False,
     **options: Any,
 ) -> Registration: ...
 def register(
@@ -176,6 +191,7 @@ def register(
     *,
     filter: str = "none",
     threads: int | None = None,
+    assume_inliers: bool = False,
     **options: Any,
 ) -> Registration:
     """Finds the rigid motion that correspondences agree on, most of which may be wrong.
@@ -190,6 +206,9 @@ def register(
     seed: of the random samples; the same seed gives the same bits, on any number of threads and any processor.
     filter: "tcf" gives the solver only what the two filters of TCF keep; "none" gives it all.
     threads: at most so many; None: all that the process may use.
+    assume_inliers: takes every row as right, three or more: the least-squares pose with the residual of each row, for
+        targets that somebody has checked. Nothing is searched or tested: neither noise bound, solver, filter nor option
+        is taken.
     options: the solver's own, see `describe_options(solver)`. `estimate_scale=True` of `pcr99`
         and `teaser` finds the scale of the source as well; it needs a noise bound and no filter.
 
@@ -208,8 +227,16 @@ def register(
         rows = Correspondences(source, target)
     import numpy as np
 
-    fields = _core.run_solver(rows, solver, noise_bound, seed, filter, threads, options)
-    fields["pose"] = np.frombuffer(fields["pose"], np.float64).reshape(4, 4)
+    if assume_inliers:
+        if noise_bound is not None or filter != "none" or solver != "tcf" or options:
+            raise TypeError("register(assume_inliers=True) takes no noise_bound, solver, filter or option")
+        solver = "least_squares"
+        fields = _core.run_assumed_inliers(rows)
+        fields["residuals"] = np.frombuffer(fields["residuals"], np.float64)
+    else:
+        fields = _core.run_solver(rows, solver, noise_bound, seed, filter, threads, options)
+    if fields["pose"] is not None:
+        fields["pose"] = np.frombuffer(fields["pose"], np.float64).reshape(4, 4)
     fields["covariance"] = np.frombuffer(fields["covariance"], np.float64).reshape(6, 6)
     fields["inliers"] = np.frombuffer(fields["inliers"], np.int64)
     fields["status"] = Status(fields["status"])

@@ -35,6 +35,28 @@ std::optional<AnyArray> borrowed(nb::handle object) {
   return array;
 }
 
+/// What holds numbers in a way of its own, and how to get at them.
+void reject_containers(nb::handle object, std::string_view name) {
+  const auto type = nb::cast<std::string>(nb::borrow(object.type()).attr("__module__"));
+  if (type.starts_with("numpy.ma")) {
+    throw nb::type_error(
+        fmt::format("{} is a masked array, whose mask would be ignored: pass the rows without a masked value, for "
+                    "both clouds: keep = ~(numpy.ma.getmaskarray(source) | numpy.ma.getmaskarray(target)).any(axis=1)",
+                    name)
+            .c_str());
+  }
+  if (type.starts_with("open3d") && nb::hasattr(object, "points")) {
+    throw nb::type_error(fmt::format("{} is an Open3D cloud: pass numpy.asarray({}.points)", name, name).c_str());
+  }
+}
+
+/// The way out for arrays that NumPy holds as Python objects.
+std::string remedy_of(nb::handle object, std::string_view name) {
+  if (nb::hasattr(object, "to_numpy")) return fmt::format(": pass {}.to_numpy(float)", name);
+  if (nb::hasattr(object, "numpy")) return fmt::format(": pass {}.numpy()", name);
+  return "";
+}
+
 nb::object numpy_array(nb::handle object) { return nb::module_::import_("numpy").attr("asarray")(object); }
 
 /// Real numbers as a fresh C-ordered array of `type`. kinds: those of NumPy's type codes to take.
@@ -44,7 +66,7 @@ AnyArray converted(nb::handle object, std::string_view name, const char* type, s
   const nb::object dtype = array.attr("dtype");
   const bool empty = nb::cast<std::size_t>(array.attr("size")) == 0;
   if (!empty && kinds.find(nb::cast<std::string>(dtype.attr("kind"))) == std::string_view::npos) {
-    reject_type(name, dtype, expected);
+    reject_type(name, dtype, fmt::format("{}{}", expected, remedy_of(object, name)));
   }
   const nb::object fresh =
       nb::module_::import_("numpy").attr("array")(array, nb::arg("dtype") = type, nb::arg("order") = "C");
@@ -56,6 +78,7 @@ bool is(const AnyArray& array, nb::dlpack::dtype_code code) {
 }
 
 AnyArray real_array(nb::handle object, std::string_view name) {
+  reject_containers(object, name);
   std::optional<AnyArray> array = borrowed(object);
   if (array && (array->dtype() == nb::dtype<float>() || array->dtype() == nb::dtype<double>())) return *array;
   return converted(object, name, "float64", "fiub", "real numbers");

@@ -12,6 +12,7 @@
 #include <nanobind/stl/string_view.h>
 #include <nanobind/stl/vector.h>
 
+#include <consimd/solvers/assumed_inliers.hpp>
 #include <consimd/solvers/edge_information.hpp>
 #include <consimd/solvers/noise_bound.hpp>
 #include <consimd/solvers/solver.hpp>
@@ -52,7 +53,10 @@ nb::bytearray to_bytes(const Numbers& numbers) {
 nb::dict to_dict(const Registration& result) {
   nb::dict fields;
   fields["status"] = to_string(result.status);
-  fields["pose"] = to_bytes(Eigen::Matrix<double, 4, 4, Eigen::RowMajor>(result.T_target_source.matrix()));
+  fields["pose"] = nb::none();
+  if (result.has_pose()) {
+    fields["pose"] = to_bytes(Eigen::Matrix<double, 4, 4, Eigen::RowMajor>(result.T_target_source.matrix()));
+  }
   fields["scale"] = result.scale;
   fields["scale_deviation"] = result.scale_deviation;
   fields["covariance"] = to_bytes(Eigen::Matrix<double, 6, 6, Eigen::RowMajor>(result.covariance));
@@ -69,6 +73,8 @@ nb::dict to_dict(const Registration& result) {
   fields["isa"] = to_string(result.isa);
   fields["threads"] = result.threads;
   fields["noise_bound"] = result.noise_bound;
+  fields["noise_bound_asked"] = result.noise_bound_asked;
+  fields["mirrored"] = result.mirrored;
   fields["consistency_bound"] = result.consistency_bound;
   return fields;
 }
@@ -103,6 +109,19 @@ nb::dict run_solver(const SharedCorrespondences& correspondences, std::string_vi
   return to_dict(result);
 }
 
+nb::dict run_assumed_inliers(const SharedCorrespondences& correspondences) {
+  AssumedInliers result;
+  {
+    const nb::gil_scoped_release unlocked;
+    result = register_assumed_inliers(*correspondences.rows);
+  }
+  nb::dict fields = to_dict(result.registration);
+  fields["residuals"] = to_bytes(result.residuals);
+  fields["sigma"] = result.sigma;
+  fields["geometry"] = to_string(result.geometry);
+  return fields;
+}
+
 nb::tuple estimate(const SharedCorrespondences& correspondences, std::uint64_t seed, std::optional<int> threads) {
   const auto rows = correspondences.rows;
   const std::optional<int> limit = checked_threads(threads);
@@ -124,6 +143,7 @@ Array<double, 6, 6> information_of(
 void bind_registration(nb::module_& module) {
   module.def("run_solver", &run_solver, nb::arg("correspondences"), nb::arg("solver"), nb::arg("noise_bound").none(),
              nb::arg("seed"), nb::arg("filter"), nb::arg("threads").none(), nb::arg("options"));
+  module.def("run_assumed_inliers", &run_assumed_inliers, nb::arg("correspondences"));
   module.def("estimate_noise_bound", &estimate, nb::arg("correspondences"), nb::arg("seed"), nb::arg("threads").none());
   module.def("edge_information", &information_of, nb::arg("pose"), nb::arg("covariance"), nb::arg("library"));
   module.def("describe_options", &describe_options, nb::arg("solver"));
