@@ -324,7 +324,7 @@ class Register(CommandTest):
             (good + "1 2 three 4 5 6\n" + good, "bad.txt:6: 'three' is not a number"),
             (good + "1 2 nan 4 5 6\n", "bad.txt:6: 'nan' is not finite"),
             (good + "1 2 3 4 inf 6\n", "bad.txt:6: 'inf' is not finite"),
-            (bytes(range(256)) * 4, "bad.txt:1:"),
+            (bytes(range(256)) * 4, "bad.txt: is binary or UTF-16 text"),
         ):
             file = self.write("bad.txt", text)
             self.assert_error("register", file, "--noise-bound", 1, "--json", "out.json", says=says)

@@ -144,6 +144,42 @@ TEST(Copies, OfAWrongRowOutvoteNobody) {
   EXPECT_GE(right, kTrials * 98 / 100);
 }
 
+TEST(Copies, MeasuredAnewInEveryFrameAreFound) {
+  std::size_t right = 0;
+  constexpr std::uint64_t kTrials = trials(300);
+  for (std::uint64_t trial = 0; trial < kTrials; ++trial) {
+    const Problem problem = synth::repeated_targets(
+        {.targets = 10 + trial % 10, .frames = 2 + trial % 8, .blunders = 0.2, .copied = false, .trial = trial});
+    const Registration result = register_by_name("tcf", problem.correspondences(), {.noise_bound = 0.05});
+    right += is_right(problem, result, 0.05) ? 1U : 0U;
+  }
+  EXPECT_GE(right, kTrials * 98 / 100);
+}
+
+TEST(AllToAll, IsFoundWithoutDescriptors) {
+  std::size_t right = 0;
+  constexpr std::uint64_t kTrials = trials(200);
+  for (std::uint64_t trial = 0; trial < kTrials; ++trial) {
+    const Problem problem = synth::all_to_all({.landmarks = 16 + trial % 8, .trial = trial});
+    const Registration result = register_by_name("tcf", problem.correspondences(), {.noise_bound = 0.3});
+    right += result.status == Status::success && is_right(problem, result, 0.3) ? 1U : 0U;
+  }
+  EXPECT_GE(right, kTrials * 98 / 100);
+}
+
+TEST(SymmetricParts, AreAmbiguous) {
+  std::size_t ambiguous = 0;
+  constexpr std::uint64_t kTrials = trials(200);
+  for (std::uint64_t trial = 0; trial < kTrials; ++trial) {
+    const Problem problem =
+        synth::symmetric_part({.folds = 6 + trial % 4, .points_per_sector = 8, .sigma = 0.0005, .trial = trial});
+    const Registration result =
+        register_by_name("tcf", problem.correspondences(), {.noise_bound = 0.0015, .seed = trial});
+    ambiguous += result.status == Status::ambiguous ? 1U : 0U;
+  }
+  EXPECT_GE(ambiguous, kTrials * 98 / 100);
+}
+
 TEST(TinyBounds, AreRaisedToWhatTheFrameResolvesAndSaidSo) {
   for (std::uint64_t trial = 0; trial < trials(60); ++trial) {
     const Problem problem = synth::hard_problem(

@@ -7,6 +7,8 @@
 
 #include "call/stage_clock.hpp"
 #include "sampling/sampling.hpp"
+#include "support/pose_candidate.hpp"
+#include "support/repeated_points.hpp"
 #include "verdict/ambiguity.hpp"
 #include "verdict/pose_test.hpp"
 
@@ -32,6 +34,29 @@ std::uint64_t ConsensusSearch::seeds_needed() const {
 bool ConsensusSearch::confident() const { return sets_.drawn() >= seeds_needed(); }
 
 void ConsensusSearch::run(bool exhaustive) {
+  draw_rounds(exhaustive);
+  look_for_repeated_rival();
+}
+
+// Where points are in many rows, another motion may join the supporters' points anew, as the turns of a symmetric part
+// do. What such motions have in common with the best one hides them in its sets: they are searched for on their own.
+void ConsensusSearch::look_for_repeated_rival() {
+  if (best().support.count < 3 || !many_to_many(correspondences_)) return;
+  const std::vector<std::uint32_t> rows =
+      rows_sharing_a_point(correspondences_, pose_inliers(correspondences_, best().pose, options_.noise_bound));
+  if (rows.size() < std::max(3U, support_of_interest())) return;
+  const Correspondences others = correspondences_.subset(rows);
+  ConsensusSearch search(others, options_);
+  search.draw_rounds(false);
+  if (search.best().support.count < 3) return;
+  const PoseCandidate rival = scored(correspondences_, search.best().pose, options_.noise_bound);
+  if (!poses_.offer(locally_optimise(correspondences_, rival, options_.noise_bound))) return;
+  best_set_.clear();
+  for (const std::uint32_t position : search.best_set()) best_set_.push_back(rows[position]);
+  settle();
+}
+
+void ConsensusSearch::draw_rounds(bool exhaustive) {
   const RoundTuning& rounds = options_.tuning.round;
   if (exhaustive) sets_.start_over(with_care(options_.tuning));
   const std::uint64_t limit = std::min<std::uint64_t>(correspondences_.size(), options_.max_seeds);
@@ -82,7 +107,10 @@ void ConsensusSearch::fit_sets(std::span<const std::uint32_t> positions) {
     best_set_ = sets_.set(fitted[i]);
     improved = true;
   }
-  if (!improved) return;
+  if (improved) settle();
+}
+
+void ConsensusSearch::settle() {
   settled_ = significance(correspondences_, best().pose, options_.noise_bound, Scrutiny::glance);
   if (settled_->log10_false_poses >= kBeyondDoubt) settled_.reset();
 }

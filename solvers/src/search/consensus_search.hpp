@@ -54,6 +54,9 @@ class ConsensusSearch {
  private:
   [[nodiscard]] std::uint64_t seeds_needed() const;
   [[nodiscard]] std::uint32_t support_of_interest() const;
+  void draw_rounds(bool exhaustive);
+  void look_for_repeated_rival();
+  void settle();
   void fit_sets(std::span<const std::uint32_t> positions);
 
   const Correspondences& correspondences_;
