@@ -189,6 +189,9 @@ double close_look(const Correspondences& correspondences, const WorkingPose& pos
 Significance significance(const Correspondences& correspondences, const WorkingPose& pose, double noise_bound,
                           Scrutiny scrutiny) {
   detail::require_length("noise_bound", noise_bound);
+  if (!correspondences.far_rows().empty()) {
+    return significance(correspondences.subset(correspondences.near_rows()), pose, noise_bound, scrutiny);
+  }
   const CorrespondenceView view = correspondences.view();
   if (view.size() < 3) return {};
   if (scrutiny == Scrutiny::close) return {close_look(correspondences, pose, noise_bound) / std::numbers::ln10};
