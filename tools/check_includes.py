@@ -36,6 +36,8 @@ ROOMS = {
     "verdict": "support sampling call bits",
     "search": SHARED,
     "noise_bound": "search " + SHARED,
+    "assumed_inliers": SHARED,
+    "advice": "pcr99 call",
     "scale": "search " + SHARED,
     "tcf": "search " + SHARED,
     "ransac": "search " + SHARED,

@@ -18,7 +18,8 @@ enum class RandomStage : std::uint32_t {
   pairing = 6,
   matrix_sample = 7,
   sparsification = 8,
-  scale_voters = 9
+  scale_voters = 9,
+  repeated_points = 10
 };
 
 class CounterRandom {

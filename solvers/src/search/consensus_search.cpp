@@ -41,7 +41,7 @@ void ConsensusSearch::run(bool exhaustive) {
 // Where points are in many rows, another motion may join the supporters' points anew, as the turns of a symmetric part
 // do. What such motions have in common with the best one hides them in its sets: they are searched for on their own.
 void ConsensusSearch::look_for_repeated_rival() {
-  if (best().support.count < 3 || !many_to_many(correspondences_)) return;
+  if (best().support.count < 3 || !one_to_many(correspondences_)) return;
   const std::vector<std::uint32_t> rows =
       rows_sharing_a_point(correspondences_, pose_inliers(correspondences_, best().pose, options_.noise_bound));
   if (rows.size() < std::max(3U, support_of_interest())) return;

@@ -1,19 +1,33 @@
 #include "support/repeated_points.hpp"
 
 #include <algorithm>
+#include <bit>
 #include <cstddef>
+#include <numeric>
 #include <tuple>
 
+#include "sampling/counter_random.hpp"
 #include "support/points.hpp"
+#include "support/pose_candidate.hpp"
 
 namespace consimd::detail {
 namespace {
 
-constexpr double kManyRows = 6.0;
-constexpr std::size_t kLookedAt = 64;
+// The three nearest descriptors of each, which is what matchers give, are not as many.
+constexpr double kManyRows = 4.0;
+constexpr std::size_t kLookedAt = 128;
 constexpr std::size_t kLeastEqual = 3;
+// Draws are the same whatever the caller's seed is.
+constexpr std::uint64_t kFixedSeed = 0;
 
-bool equal(const Point& a, const Point& b) { return a.x == b.x && a.y == b.y && a.z == b.z; }
+std::uint32_t hash(const Point& p) {
+  std::uint32_t result = 0;
+  for (const float x : {p.x, p.y, p.z}) {
+    result = (result ^ std::bit_cast<std::uint32_t>(x)) * 0x9E3779B1U;
+    result ^= result >> 15U;
+  }
+  return result;
+}
 
 std::tuple<float, float, float> key(const Point& p) { return {p.x, p.y, p.z}; }
 
@@ -28,28 +42,73 @@ std::vector<std::tuple<float, float, float>> sorted_keys(std::span<const std::ui
   return keys;
 }
 
+// Some rows from all over, each once; drawn, since the order of rows that share a point has a period.
+std::vector<std::uint32_t> looked_at(std::size_t size) {
+  std::vector<std::uint32_t> rows(std::min(size, kLookedAt));
+  std::iota(rows.begin(), rows.end(), 0U);
+  if (rows.size() == size) return rows;
+  CounterRandom random(kFixedSeed, RandomStage::repeated_points, 0);
+  for (std::uint32_t& row : rows) row = random.below(static_cast<std::uint32_t>(size));
+  std::ranges::sort(rows);
+  rows.erase(std::unique(rows.begin(), rows.end()), rows.end());
+  return rows;
+}
+
+// Rows that a point is in, mean over the rows looked at. Points whose hashes are equal count as equal: hardly any are
+// not.
+template <typename PointOf>
+double rows_a_point(const std::vector<std::uint32_t>& rows, std::size_t size, const PointOf& point_of) {
+  std::vector<std::uint32_t> hashes;
+  hashes.reserve(rows.size());
+  for (const std::uint32_t row : rows) hashes.push_back(hash(point_of(row)));
+  std::ranges::sort(hashes);
+  std::size_t equal_pairs = 0;
+  for (std::size_t first = 0, next = 0; first < hashes.size(); first = next) {
+    while (next < hashes.size() && hashes[next] == hashes[first]) ++next;
+    equal_pairs += (next - first) * (next - first - 1) / 2;
+  }
+  if (equal_pairs < kLeastEqual) return 1.0;
+  const double pairs = 0.5 * static_cast<double>(rows.size()) * (static_cast<double>(rows.size()) - 1.0);
+  return 1.0 + static_cast<double>(equal_pairs) * static_cast<double>(size) / pairs;
+}
+
+struct RowsAPoint {
+  double of_source;
+  double of_target;
+};
+
+RowsAPoint rows_a_point(const CorrespondenceView& view) {
+  const std::vector<std::uint32_t> rows = looked_at(view.size());
+  return {rows_a_point(rows, view.size(), [&](std::uint32_t row) { return source_point(view, row); }),
+          rows_a_point(rows, view.size(), [&](std::uint32_t row) { return target_point(view, row); })};
+}
+
+std::array<float, 6> pair_of(const CorrespondenceView& view, std::size_t source_row, std::size_t target_row) {
+  const Point p = source_point(view, source_row);
+  const Point q = target_point(view, target_row);
+  return {p.x, p.y, p.z, q.x, q.y, q.z};
+}
+
 }  // namespace
 
+MatchedPoints::MatchedPoints(const CorrespondenceView& view, const WorkingPose& pose, double bound) {
+  if (!many_to_many(view)) return;
+  for (const std::uint32_t row : pose_inliers(view, pose, bound)) pairs_.push_back(pair_of(view, row, row));
+  std::ranges::sort(pairs_);
+}
+
+bool MatchedPoints::contains(const CorrespondenceView& view, std::size_t source_row, std::size_t target_row) const {
+  return !empty() && std::ranges::binary_search(pairs_, pair_of(view, source_row, target_row));
+}
+
+bool one_to_many(const CorrespondenceView& view) {
+  const RowsAPoint rows = rows_a_point(view);
+  return std::max(rows.of_source, rows.of_target) >= kManyRows;
+}
+
 bool many_to_many(const CorrespondenceView& view) {
-  const std::size_t size = view.size();
-  const std::size_t looked_at = std::min(size, kLookedAt);
-  // Rows spread by the golden ratio, which meets no period of the input.
-  const auto row = [&](std::uint64_t k) {
-    return static_cast<std::size_t>(((k * 0x9E3779B97F4A7C15U) >> 32U) * size >> 32U);
-  };
-  std::size_t equal_sources = 0;
-  std::size_t equal_targets = 0;
-  for (std::size_t a = 0; a < looked_at; ++a) {
-    for (std::size_t b = 0; b < a; ++b) {
-      if (row(a) == row(b)) continue;
-      equal_sources += equal(source_point(view, row(a)), source_point(view, row(b))) ? 1U : 0U;
-      equal_targets += equal(target_point(view, row(a)), target_point(view, row(b))) ? 1U : 0U;
-    }
-  }
-  const double pairs = 0.5 * static_cast<double>(looked_at) * (static_cast<double>(looked_at) - 1.0);
-  const std::size_t equal_pairs = std::min(equal_sources, equal_targets);
-  return equal_pairs >= kLeastEqual &&
-         1.0 + static_cast<double>(equal_pairs) * static_cast<double>(size) / pairs >= kManyRows;
+  const RowsAPoint rows = rows_a_point(view);
+  return std::min(rows.of_source, rows.of_target) >= kManyRows;
 }
 
 std::vector<std::uint32_t> rows_sharing_a_point(const CorrespondenceView& view,

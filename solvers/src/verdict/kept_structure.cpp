@@ -168,7 +168,8 @@ Strata::Strata(std::vector<std::uint32_t> rows, std::vector<std::uint32_t> first
   }
 }
 
-PairingHits Strata::support(const CorrespondenceView& view, const WorkingPose& pose, double bound, double apart) const {
+PairingHits Strata::support(const CorrespondenceView& view, const WorkingPose& pose, double bound, double apart,
+                            const MatchedPoints& matched) const {
   const auto limit = static_cast<float>(bound * view.scale() * bound * view.scale());
   const auto far = static_cast<float>(apart * view.scale() * apart * view.scale());
   PairingHits result;
@@ -203,7 +204,8 @@ PairingHits Strata::support(const CorrespondenceView& view, const WorkingPose& p
       result.trials += mates;
       if (hits == 0) continue;
       for (std::size_t j = 0; j < size; ++j) {
-        if (!(distance[j] >= far)) continue;
+        if (!(distance[j] >= far) || !(residual[j] < limit)) continue;
+        if (matched.contains(view, rows_[first_[s] + i], rows_[first_[s] + j])) continue;
         for (std::size_t b = 0; b < kTestedBounds.size(); ++b) {
           const auto share = static_cast<float>(kTestedBounds[b] * kTestedBounds[b]);
           if (residual[j] < share * limit) result.hits[b] += 1.0 / mates;

@@ -10,6 +10,8 @@
 #include <consimd/kernels/correspondences.hpp>
 #include <consimd/kernels/kernel_data.hpp>
 
+#include "support/repeated_points.hpp"
+
 namespace consimd::detail {
 
 /// Bounds that a pose is tested at, in noise bounds: supporters of a true pose crowd at small residuals.
@@ -32,9 +34,9 @@ class Strata {
 
   /// How often `pose` takes a source to the target of another row of its stratum whose source is further away than
   /// `apart`. Every row counts as much, whatever its number of such rows is: the hits are their mean share in all
-  /// trials. `bound`, `apart`: caller's unit.
-  [[nodiscard]] PairingHits support(const CorrespondenceView& view, const WorkingPose& pose, double bound,
-                                    double apart) const;
+  /// trials. `matched` at the pose are no hit. `bound`, `apart`: caller's unit.
+  [[nodiscard]] PairingHits support(const CorrespondenceView& view, const WorkingPose& pose, double bound, double apart,
+                                    const MatchedPoints& matched) const;
 
   /// How often two correspondences whose targets are exchanged for others of their strata agree in length, to within
   /// twice the tested bounds. The same pairs are drawn in every call.

@@ -9,7 +9,6 @@
 #include "sampling/counter_random.hpp"
 #include "sampling/sampling.hpp"
 #include "support/points.hpp"
-#include "support/repeated_points.hpp"
 #include "support/row_blocks.hpp"
 
 namespace consimd::detail {
@@ -29,36 +28,24 @@ double share_below(const std::vector<double>& values, double distinct, double bo
   return chance(hits * trials / drawn, trials);
 }
 
-bool equal(const Point& a, const Point& b) { return a.x == b.x && a.y == b.y && a.z == b.z; }
-
 struct ShiftHits {
   double hits = 0.0;
   double trials = 0.0;
 };
 
-ShiftHits single_shift_hits(const CorrespondenceView& view, const WorkingPose& pose, double bound,
-                            std::uint32_t shifts) {
+ShiftHits single_shift_hits(const CorrespondenceView& view, const WorkingPose& pose, double bound, std::uint32_t shifts,
+                            const MatchedPoints& matched) {
   const std::size_t size = view.size();
   const double limit = bound * view.scale();
-  const auto hit = [&](std::size_t i, std::size_t j) {
-    return distance(moved(pose, source_point(view, i)), target_point(view, j)) < limit;
-  };
-  std::vector<std::uint32_t> supporters;
-  for (std::uint32_t k = 0; k < size; ++k) {
-    if (hit(k, k)) supporters.push_back(k);
-  }
-  // A source and a target that are a supporter's in another row are no mismatched pair.
-  const auto is_match = [&](std::size_t i, std::size_t j) {
-    return std::ranges::any_of(supporters, [&](std::uint32_t k) {
-      return equal(source_point(view, k), source_point(view, i)) && equal(target_point(view, k), target_point(view, j));
-    });
-  };
   ShiftHits result;
   const std::size_t step = std::max<std::size_t>(1, (size - 1) / shifts);
   for (std::size_t shift = 1; shift < size; shift += step) {
     for (std::size_t i = 0; i < size; ++i) {
       const std::size_t j = (i + shift) % size;
-      if (hit(i, j) && !is_match(i, j)) ++result.hits;
+      if (distance(moved(pose, source_point(view, i)), target_point(view, j)) < limit &&
+          !matched.contains(view, i, j)) {
+        ++result.hits;
+      }
     }
     result.trials += static_cast<double>(size);
   }
@@ -84,9 +71,9 @@ ShiftHits shift_hits(const CorrespondenceView& view, const WorkingPose& pose, do
 }  // namespace
 
 double pose_chance(const CorrespondenceView& view, const WorkingPose& pose, double bound, std::uint32_t shifts,
-                   RareHits rare) {
-  if (view.size() <= kSmall || many_to_many(view)) {
-    const ShiftHits within = single_shift_hits(view, pose, bound, shifts);
+                   RareHits rare, const MatchedPoints& matched) {
+  if (view.size() <= kSmall || !matched.empty()) {
+    const ShiftHits within = single_shift_hits(view, pose, bound, shifts, matched);
     return chance(within.hits, within.trials);
   }
   const ShiftHits within = shift_hits(view, pose, bound, shifts);

@@ -8,6 +8,8 @@
 #include <consimd/kernels/correspondences.hpp>
 #include <consimd/kernels/kernel_data.hpp>
 
+#include "support/repeated_points.hpp"
+
 namespace consimd::detail {
 
 /// Laplace's estimate of a chance that gave `hits` in `trials`.
@@ -21,10 +23,9 @@ enum class RareHits : std::uint8_t {
 };
 
 /// Chance that the pose takes a source within `bound` (caller's unit) of the target of any other correspondence, from
-/// `shifts` pairings of all of them, or fewer where there are not as many. Where points are in many rows (one matched
-/// with all) a source and a target that support the pose in another row are not counted: that pair is no chance.
+/// `shifts` pairings of all of them, or fewer where there are not as many. `matched` at the pose are no chance.
 double pose_chance(const CorrespondenceView& view, const WorkingPose& pose, double bound, std::uint32_t shifts,
-                   RareHits rare);
+                   RareHits rare, const MatchedPoints& matched);
 
 /// Chance that two correspondences agree in length, from as many `pairs` drawn.
 class LengthChance {

@@ -113,13 +113,13 @@ double log_false_poses(double size, const Supports& supports, const Chances& cha
 
 // What pairing at random gives. `pairs`: whose lengths are compared; `shifts`: pairings of all correspondences.
 Chances random_chances(const CorrespondenceView& view, const WorkingPose& pose, double noise_bound, std::uint32_t pairs,
-                       std::uint32_t shifts, detail::RareHits rare) {
+                       std::uint32_t shifts, detail::RareHits rare, const detail::MatchedPoints& matched) {
   const std::vector<std::uint32_t> explained = detail::pose_inliers(view, pose, noise_bound);
   const detail::LengthChance length_chance(view, explained, pairs, kFixedSeed);
   Chances result;
   for (std::size_t b = 0; b < kTestedBounds.size(); ++b) {
     const double bound = kTestedBounds[b] * noise_bound;
-    result.support[b] = detail::pose_chance(view, pose, bound, shifts, rare);
+    result.support[b] = detail::pose_chance(view, pose, bound, shifts, rare, matched);
     result.length[b] = length_chance(2.0 * bound);
   }
   return result;
@@ -132,9 +132,9 @@ double structured(double at_random, double hits, double trials) {
 }
 
 // What pairing within strata gives.
-Chances kept_chances(const CorrespondenceView& view, const WorkingPose& pose, double noise_bound, double apart,
-                     const detail::Strata& strata, const Chances& at_random) {
-  const detail::PairingHits support = strata.support(view, pose, noise_bound, apart);
+Chances kept_chances(const CorrespondenceView& view, const WorkingPose& pose, double noise_bound,
+                     const detail::Strata& strata, const detail::MatchedPoints& matched, const Chances& at_random) {
+  const detail::PairingHits support = strata.support(view, pose, noise_bound, kNearMisses * noise_bound, matched);
   const detail::PairingHits length = strata.lengths(view, noise_bound, kStratumPairs);
   Chances result;
   for (std::size_t b = 0; b < kTestedBounds.size(); ++b) {
@@ -145,7 +145,9 @@ Chances kept_chances(const CorrespondenceView& view, const WorkingPose& pose, do
 }
 
 double glance(const CorrespondenceView& view, const WorkingPose& pose, double noise_bound) {
-  Chances chances = random_chances(view, pose, noise_bound, kGlancePairs, kGlanceShifts, detail::RareHits::laplace);
+  const detail::MatchedPoints matched(view, pose, noise_bound);
+  Chances chances =
+      random_chances(view, pose, noise_bound, kGlancePairs, kGlanceShifts, detail::RareHits::laplace, matched);
   for (double& chance : chances.support) chance = std::min(1.0, kStrongestStructure * chance);
   for (double& chance : chances.length) chance = std::min(1.0, kStrongestLikeness * chance);
   const Supports found = supports(view, pose, noise_bound, kLargestRadius * noise_bound);
@@ -155,12 +157,14 @@ double glance(const CorrespondenceView& view, const WorkingPose& pose, double no
 // A second glance, at structure in a sample of the rows.
 double second_glance(const Correspondences& correspondences, const WorkingPose& pose, double noise_bound) {
   const CorrespondenceView view = correspondences.view();
+  const detail::MatchedPoints matched(view, pose, noise_bound);
   const auto size = static_cast<double>(view.size());
   const Supports found = supports(view, pose, noise_bound, kLargestRadius * noise_bound);
-  Chances chances = random_chances(view, pose, noise_bound, kGlancePairs, kGlanceShifts, detail::RareHits::laplace);
+  Chances chances =
+      random_chances(view, pose, noise_bound, kGlancePairs, kGlanceShifts, detail::RareHits::laplace, matched);
   for (double& chance : chances.length) chance = std::min(1.0, kStrongestLikeness * chance);
   for (const detail::Strata& strata : detail::sampled_strata(correspondences)) {
-    const detail::PairingHits kept = strata.support(view, pose, noise_bound, kNearMisses * noise_bound);
+    const detail::PairingHits kept = strata.support(view, pose, noise_bound, kNearMisses * noise_bound, matched);
     for (std::size_t b = 0; b < kTestedBounds.size(); ++b) {
       chances.support[b] = std::max(chances.support[b], kSafety * detail::chance(kept.hits[b], kept.trials));
     }
@@ -171,14 +175,16 @@ double second_glance(const Correspondences& correspondences, const WorkingPose& 
 
 double close_look(const Correspondences& correspondences, const WorkingPose& pose, double noise_bound) {
   const CorrespondenceView view = correspondences.view();
+  const detail::MatchedPoints matched(view, pose, noise_bound);
   const auto size = static_cast<double>(view.size());
   const double radius =
       detail::coherence_length(view, pose, noise_bound, kLeastRadius * noise_bound, kLargestRadius * noise_bound);
   const Supports found = supports(view, pose, noise_bound, radius);
-  const Chances at_random = random_chances(view, pose, noise_bound, kPairs, kShifts, detail::RareHits::extrapolated);
+  const Chances at_random =
+      random_chances(view, pose, noise_bound, kPairs, kShifts, detail::RareHits::extrapolated, matched);
   double most = log_false_poses(size, found, at_random);
   for (const detail::Strata& strata : detail::kept_strata(correspondences)) {
-    const Chances kept = kept_chances(view, pose, noise_bound, kNearMisses * noise_bound, strata, at_random);
+    const Chances kept = kept_chances(view, pose, noise_bound, strata, matched, at_random);
     most = std::max(most, log_false_poses(size, found, kept));
   }
   return most;
