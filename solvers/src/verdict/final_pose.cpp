@@ -15,6 +15,9 @@ namespace {
 
 // The deviation of a residual per axis, where it is not estimated: the noise bound is three of them.
 constexpr double kSigmaPerBound = 1.0 / 3.0;
+// Scales of right poses differ from 1 by less.
+constexpr double kCalibration = 0.02;
+constexpr double kScaleDeviations = 5.0;
 
 // A close look at a pose that a glance leaves in doubt.
 double significance_if_doubtful(const Correspondences& correspondences, const WorkingPose& pose, double noise_bound) {
@@ -54,6 +57,17 @@ std::vector<std::uint32_t> agreeing_rows(const Correspondences& correspondences,
                                          const PoseTest& test) {
   const std::vector<std::uint32_t>& rows = final.inliers;
   return rows_agreeing_with(correspondences, {rows.front(), rows[rows.size() / 2], rows.back()}, test.noise_bound);
+}
+
+// Whether the supporters of a pose agree on another scale: it explains more than half of their residuals, and differs
+// by many deviations and more than a calibration does. They are the rows near a centre that such a pose turns and grows
+// about, and tell nothing of the rest.
+bool is_at_another_scale(const FinalPose& final) {
+  const double difference = std::abs(final.scale - 1.0);
+  if (!(final.scale_deviation > 0.0) || difference < kCalibration) return false;
+  const double deviations = difference / final.scale_deviation;
+  return deviations > kScaleDeviations &&
+         2.0 * deviations * deviations > 3.0 * static_cast<double>(final.inliers.size());
 }
 
 // Brings the best pose and the runner-up into place and lets the more significant of them be the best pose, which
@@ -104,6 +118,7 @@ FinalPose finish(const Correspondences& correspondences, const PoseTest& test, B
   final.pose = refined.fit.pose;
   final.rounds = refined.rounds;
   final.covariance = refined.covariance;
+  final.scale = refined.scale;
   final.scale_deviation = refined.scale_deviation;
   final.centre = refined.centre;
   final.rotation_deviation = rotation_deviation(view, pose, tau, refined.sigma);
@@ -123,7 +138,7 @@ void conclude(const Correspondences& correspondences, const PoseTest& test, cons
              is_mirrored(mirrored, final.inliers.size())) {
     result.status = Status::no_consensus;
     result.mirrored = is_mirror_image(mirrored, agreeing.size());
-  } else if (!supported || final.log10_false_poses >= kSignificant) {
+  } else if (!supported || final.log10_false_poses >= kSignificant || is_at_another_scale(final)) {
     result.status = Status::no_consensus;
   } else {
     std::optional<RunnerUp> rival = runner_up(correspondences, test, poses);

@@ -24,6 +24,7 @@ struct FinalPose {
   std::uint32_t rounds = 0;
   bool was_runner_up = false;
   PoseCovariance covariance = PoseCovariance::Zero();
+  double scale = 1.0;            ///< of the sources, that would fit the supporters best
   double scale_deviation = 0.0;  ///< if the scale was unknown, relative to it
   Eigen::Matrix<double, 3, 1, Eigen::DontAlign> centre =
       Eigen::Matrix<double, 3, 1, Eigen::DontAlign>::Zero();  ///< of the supporters' sources, working frame
