@@ -1,11 +1,8 @@
 #include <cmath>
-#include <filesystem>
 #include <memory>
-#include <numbers>
 #include <stdexcept>
 
 #include <fmt/format.h>
-#include <nlohmann/json.hpp>
 
 #include <consimd/synth/noise_study.hpp>
 #include <consimd/synth/problem_files.hpp>
@@ -28,29 +25,6 @@ struct Options {
   std::string out;
 };
 
-/// What `problem` is and when it counts as solved. The limits are the pose errors that alone would bring the true
-/// inliers' RMSE to the study's 3 sigma: 3 sigma^2 of it are noise, so sqrt(6) sigma remain for a shift or a turn.
-std::string case_json(const synth::Problem& problem) {
-  const double bound = synth::noise_study_bound(problem.sigma);
-  const double shift = std::sqrt(6.0) * problem.sigma;
-  const double lever =
-      synth::NoiseStudyOptions{}.half_extent * std::sqrt(2.0 / 3.0);  // RMS distance of a cube's points from an axis
-  std::size_t within = 0;
-  for (std::size_t i = 0; i < problem.size(); ++i) {
-    const Eigen::Map<const Eigen::Vector3d> source(problem.source.data() + 3 * i);
-    const Eigen::Map<const Eigen::Vector3d> target(problem.target.data() + 3 * i);
-    within += (problem.T_target_source * (problem.scale * source) - target).norm() < bound;
-  }
-  nlohmann::ordered_json json{{"dataset", "consimd noise study"},
-                              {"correspondences", problem.size()},
-                              {"noise_bound", bound},
-                              {"inliers_within_noise_bound", within},
-                              {"max_rotation_error_deg", shift / lever * 180.0 / std::numbers::pi},
-                              {"max_translation_error_m", shift}};
-  if (problem.scale != 1.0) json["scale"] = problem.scale;
-  return json.dump(1) + "\n";
-}
-
 int run_generate(const Options& options) {
   studies::SweepOptions checked;
   checked.points = options.points;
@@ -69,7 +43,6 @@ int run_generate(const Options& options) {
                                                              .trial = options.trial,
                                                              .scale = options.scale});
   synth::write_problem(problem, options.out);
-  studies::replace_file(std::filesystem::path(options.out) / "case.json", case_json(problem));
   fmt::print("{}: {} correspondences, noise bound {} m (3 sigma)\n", options.out, problem.size(),
              synth::noise_study_bound(options.sigma));
   return kSuccess;

@@ -14,7 +14,7 @@ def test_same_problem_as_the_command(command, tmp_path):
     assert np.array_equal(np.loadtxt(tmp_path / "pose.txt"), problem.pose)
     assert np.array_equal(np.loadtxt(tmp_path / "labels.txt"), problem.is_inlier)
     synth.write_problem(problem, tmp_path / "again")
-    for name in ("correspondences.txt", "pose.txt", "labels.txt"):
+    for name in ("correspondences.txt", "pose.txt", "labels.txt", "case.json"):
         assert (tmp_path / "again" / name).read_bytes() == (tmp_path / name).read_bytes()
 
 

@@ -1,19 +1,25 @@
 #include <consimd/synth/problem_files.hpp>
 
+#include <algorithm>
 #include <charconv>
 #include <cmath>
 #include <cstddef>
 #include <fstream>
 #include <ios>
 #include <iterator>
+#include <numbers>
+#include <optional>
 #include <span>
 #include <stdexcept>
 #include <string>
 #include <string_view>
 #include <system_error>
 #include <utility>
+#include <vector>
 
 #include <Eigen/Dense>
+
+#include <consimd/synth/noise_study.hpp>
 
 #include "number_table.hpp"
 
@@ -97,6 +103,43 @@ std::string labels_text(const Problem& problem) {
   return text;
 }
 
+/// What the problem is and when it counts as solved. The limits are the pose errors that alone would bring the true
+/// inliers' RMSE to 3 sigma: 3 sigma^2 of it are noise, so sqrt(6) sigma remain for a shift or a turn.
+std::string case_text(const Problem& problem) {
+  const double bound = noise_study_bound(problem.sigma);
+  const double shift = std::sqrt(6.0) * problem.sigma;
+  std::size_t within = 0;
+  std::vector<Eigen::Vector3d> inliers;
+  Eigen::Vector3d centre = Eigen::Vector3d::Zero();
+  for (std::size_t k = 0; k < problem.size(); ++k) {
+    const Eigen::Map<const Eigen::Vector3d> source(problem.source.data() + 3 * k);
+    const Eigen::Map<const Eigen::Vector3d> target(problem.target.data() + 3 * k);
+    if ((problem.T_target_source * (problem.scale * source) - target).norm() < bound) ++within;
+    if (problem.is_inlier[k] == 0) continue;
+    inliers.emplace_back(problem.scale * source);
+    centre += inliers.back();
+  }
+  const auto count = std::max(1.0, static_cast<double>(inliers.size()));
+  double squares = 0.0;
+  for (const Eigen::Vector3d& p : inliers) squares += (p - centre / count).squaredNorm();
+  const double lever = std::sqrt(squares / count * 2.0 / 3.0);  // RMS distance from an axis, mean over the axes
+  const double half_turn = std::numbers::pi;
+  const auto degrees = std::min(shift / std::max(lever, shift / half_turn), half_turn) * 180.0 / std::numbers::pi;
+
+  std::string text = "{\n \"dataset\": \"consimd synth\"";
+  const auto add = [&text](std::string_view name, double value) {
+    text.append(",\n \"").append(name).append("\": ");
+    append_number(text, value);
+  };
+  add("correspondences", static_cast<double>(problem.size()));
+  add("noise_bound", bound);
+  add("inliers_within_noise_bound", static_cast<double>(within));
+  add("max_rotation_error_deg", degrees);
+  add("max_translation_error_m", shift);
+  if (problem.scale != 1.0) add("scale", problem.scale);
+  return text + "\n}\n";
+}
+
 [[noreturn]] void fail(const fs::path& path, const std::string& what) {
   throw std::runtime_error(path.string() + ": " + what);
 }
@@ -167,9 +210,12 @@ void write_problem(const Problem& problem, const fs::path& folder) {
   PendingFile correspondences(folder / "correspondences.txt", correspondences_text(problem));
   PendingFile pose(folder / "pose.txt", pose_text(problem.T_target_source, problem.scale));
   PendingFile labels(folder / "labels.txt", labels_text(problem));
+  std::optional<PendingFile> case_file;
+  if (problem.sigma > 0.0) case_file.emplace(folder / "case.json", case_text(problem));
   correspondences.commit();
   pose.commit();
   labels.commit();
+  if (case_file) case_file->commit();
 }
 
 void write_pose(const RigidTransform& pose, double scale, const fs::path& path) {

@@ -105,7 +105,7 @@ class Compare(CommandTest):
         runs = self.rows("c/runs.csv")
         self.assertEqual([(run["group"], run["case"], run["seed"]) for run in runs],
                          [("KITTI 01", case, seed) for case in "ab" for seed in "123"]
-                         + [("consimd noise study", "c", seed) for seed in "123"])
+                         + [("consimd synth", "c", seed) for seed in "123"])
         labels = (self.folder / "cases/a/labels.txt").read_text().count("1")
         self.assertLess(abs(int(runs[0]["inliers"]) - labels), 10)
         # By the solver itself, with the same result.

@@ -86,7 +86,7 @@ TEST_F(ProblemFiles, ReplaceEarlierOnesAndLeaveNothingElse) {
   const Problem second = hard_problem({.correspondences = 20});
   write_problem(second, folder_);
   EXPECT_EQ(numbers(folder_ / "labels.txt").size(), 20u);
-  EXPECT_EQ(names(), (std::set<std::string>{"correspondences.txt", "labels.txt", "pose.txt"}));
+  EXPECT_EQ(names(), (std::set<std::string>{"case.json", "correspondences.txt", "labels.txt", "pose.txt"}));
 }
 
 TEST_F(ProblemFiles, FolderThatCannotBeMadeIsNamed) {
