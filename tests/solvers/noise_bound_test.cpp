@@ -236,5 +236,72 @@ TEST(NoiseBound, SameBitsForAnyThreadsAndInstructionSet) {
   }
 }
 
+bool is_right(const Problem& problem, const Registration& result, double noise_bound) {
+  return result.has_pose() && synth::rmse_true_inliers(problem, result.T_target_source) < 2.0 * noise_bound;
+}
+
+TEST(NoiseBound, OfSmallSetsIsAsGoodAsTheRightOne) {
+  constexpr double kBound = 0.03;
+  for (const std::size_t rows : {8U, 10U, 14U, 20U, 30U}) {
+    for (const double outliers : {0.0, 0.2, 0.4}) {
+      SCOPED_TRACE(::testing::Message() << rows << " rows, " << outliers << " wrong");
+      std::size_t right = 0;
+      std::size_t right_with_bound = 0;
+      std::size_t wrong = 0;
+      constexpr std::uint64_t kTrials = trials(70);
+      for (std::uint64_t trial = 0; trial < kTrials; ++trial) {
+        const Problem problem = synth::hard_problem(
+            {.correspondences = rows, .outlier_ratio = outliers, .sigma = 0.01, .half_extent = 10.0, .trial = trial});
+        const Correspondences correspondences = problem.correspondences();
+        const Registration result = register_by_name("tcf", correspondences, {.seed = trial});
+        const Registration with_bound =
+            register_by_name("tcf", correspondences, {.noise_bound = kBound, .seed = trial});
+        right += is_right(problem, result, kBound) ? 1U : 0U;
+        wrong += result.has_pose() && !is_right(problem, result, kBound) ? 1U : 0U;
+        right_with_bound += is_right(problem, with_bound, kBound) ? 1U : 0U;
+      }
+      EXPECT_GE(right + kTrials / 20 + 1, right_with_bound);
+      EXPECT_LE(wrong, kTrials / 50);
+    }
+  }
+}
+
+TEST(NoiseBound, OfQuantisedCoordinatesIsAboutACell) {
+  for (const double quantum : {0.1, 1.0, 3.0}) {
+    std::size_t right = 0;
+    constexpr std::uint64_t kTrials = trials(60);
+    for (std::uint64_t trial = 0; trial < kTrials; ++trial) {
+      const Problem problem = synth::hard_problem({.correspondences = 600,
+                                                   .outlier_ratio = 0.5,
+                                                   .sigma = 0.1 * quantum,
+                                                   .half_extent = 15.0,
+                                                   .trial = trial,
+                                                   .quantum = quantum});
+      const Registration result = register_by_name("tcf", problem.correspondences(), {.seed = trial});
+      right += is_right(problem, result, quantum) ? 1U : 0U;
+    }
+    EXPECT_GE(right + kTrials / 50, kTrials) << quantum;
+  }
+}
+
+TEST(NoiseBound, GivesNoPoseAtAnotherScale) {
+  for (const double scale : {1.05, 1.25, 1000.0}) {
+    for (const std::size_t rows : {50U, 500U}) {
+      for (std::uint64_t trial = 0; trial < trials(20); ++trial) {
+        SCOPED_TRACE(::testing::Message() << "scale " << scale << ", " << rows << " rows, trial " << trial);
+        const Correspondences correspondences = synth::hard_problem({.correspondences = rows,
+                                                                     .outlier_ratio = 0.4,
+                                                                     .sigma = 0.02,
+                                                                     .half_extent = 10.0,
+                                                                     .trial = trial,
+                                                                     .scale = scale})
+                                                    .correspondences();
+        EXPECT_FALSE(register_by_name("tcf", correspondences, {.seed = trial}).has_pose());
+        EXPECT_FALSE(register_by_name("tcf", correspondences, {.noise_bound = 0.06, .seed = trial}).has_pose());
+      }
+    }
+  }
+}
+
 }  // namespace
 }  // namespace consimd::test

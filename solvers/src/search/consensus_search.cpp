@@ -33,6 +33,11 @@ std::uint64_t ConsensusSearch::seeds_needed() const {
 
 bool ConsensusSearch::confident() const { return sets_.drawn() >= seeds_needed(); }
 
+void ConsensusSearch::offer(const WorkingPose& pose) {
+  const PoseCandidate start = scored(correspondences_, pose, options_.noise_bound);
+  if (poses_.offer(locally_optimise(correspondences_, start, options_.noise_bound))) settle();
+}
+
 void ConsensusSearch::run(bool exhaustive) {
   draw_rounds(exhaustive);
   look_for_repeated_rival();
@@ -111,6 +116,7 @@ void ConsensusSearch::fit_sets(std::span<const std::uint32_t> positions) {
 }
 
 void ConsensusSearch::settle() {
+  if (!options_.settles) return;
   settled_ = significance(correspondences_, best().pose, options_.noise_bound, Scrutiny::glance);
   if (settled_->log10_false_poses >= kBeyondDoubt) settled_.reset();
 }

@@ -23,12 +23,16 @@ struct ConsensusSearchOptions {
   std::uint32_t max_seeds = 10'000;
   std::size_t matrix_budget_bytes = std::size_t{64} << 20;
   TcfTuning tuning = {};
+  bool settles = true;  ///< looks whether the best pose is beyond doubt, so that only rivals are searched for then
 };
 
 class ConsensusSearch {
  public:
   /// Keeps a reference to the correspondences.
   ConsensusSearch(const Correspondences& correspondences, const ConsensusSearchOptions& options);
+
+  /// Starts from a pose that is known already, locally optimised.
+  void offer(const WorkingPose& pose);
 
   /// Draws rounds of seeds until one of the best pose's supporters has been among them with the wanted confidence, or,
   /// if `exhaustive`, all of them, again and with more care.

@@ -144,6 +144,14 @@ Chances kept_chances(const CorrespondenceView& view, const WorkingPose& pose, do
   return result;
 }
 
+double plain_look(const CorrespondenceView& view, const WorkingPose& pose, double noise_bound) {
+  const detail::MatchedPoints matched(view, pose, noise_bound);
+  const Chances chances =
+      random_chances(view, pose, noise_bound, kStratumPairs, kGlanceShifts, detail::RareHits::extrapolated, matched);
+  const Supports found = supports(view, pose, noise_bound, kLeastRadius * noise_bound);
+  return log_false_poses(static_cast<double>(view.size()), found, chances);
+}
+
 double glance(const CorrespondenceView& view, const WorkingPose& pose, double noise_bound) {
   const detail::MatchedPoints matched(view, pose, noise_bound);
   Chances chances =
@@ -200,6 +208,7 @@ Significance significance(const Correspondences& correspondences, const WorkingP
   }
   const CorrespondenceView view = correspondences.view();
   if (view.size() < 3) return {};
+  if (scrutiny == Scrutiny::plain) return {plain_look(view, pose, noise_bound) / std::numbers::ln10};
   if (scrutiny == Scrutiny::close) return {close_look(correspondences, pose, noise_bound) / std::numbers::ln10};
   double false_poses = glance(view, pose, noise_bound);
   if (false_poses > kEnough) false_poses = std::min(false_poses, second_glance(correspondences, pose, noise_bound));

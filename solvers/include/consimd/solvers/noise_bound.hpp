@@ -15,10 +15,11 @@ struct NoiseBoundEstimate {
   std::uint32_t bounds_tried = 1;
 };
 
-/// Searches poses at noise bounds that double from a 2000th to a quarter of the extent of the sources, keeps the one
+/// Searches poses at noise bounds that halve from a quarter of the extent of the sources to a 2000th, keeps the one
 /// whose support is least likely by chance (the choice of scale in a-contrario RANSAC, Moisan & Stival 2004), and
-/// measures the residuals around it. Where no pose is significant the bound is that of the least insignificant one, and
-/// a registration with it will say so. An empty input, or one of coincident points, gives a bound of 1.
+/// measures the residuals around it, less what six parameters take from them. Some of the rows do where these put a
+/// pose beyond doubt. Where no pose is significant the bound is that of the least insignificant one, and a registration
+/// with it will say so. An empty input, or one of coincident points, gives a bound of 1.
 ///
 /// Takes about as long as ten registrations. The same bits for any number of threads and every ISA.
 [[nodiscard]] NoiseBoundEstimate estimate_noise_bound(const Correspondences& correspondences, std::uint64_t seed);

@@ -10,9 +10,13 @@
 
 namespace consimd {
 
-/// How closely is looked at a pose that is not beyond doubt at first sight. A glance takes a tenth of the time and may
-/// find less significance than there is.
-enum class Scrutiny : std::uint8_t { glance, close };
+/// How closely is looked at a pose.
+enum class Scrutiny : std::uint8_t {
+  plain,   ///< held against random pairing alone, which compares poses and bounds: finds at least as
+           ///< much significance as there is
+  glance,  ///< a tenth of the time of a close look; may find less significance than there is
+  close,   ///< all of it
+};
 
 struct Significance {
   /// log10 of the expected number of poses supported as well if sources and targets were paired at random, but for what
