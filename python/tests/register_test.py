@@ -190,9 +190,24 @@ def test_without_a_pose(problem):
     result = consimd.register(*(np.random.default_rng(1).normal(size=(2, 300, 3))), 0.05)
     assert result.status == "no_consensus"
     assert not result.has_pose
-    assert np.array_equal(result.pose, np.eye(4))
+    assert result.pose is None
     assert result.inliers.shape == (0,) and not result.covariance.any()
     assert "no_consensus by tcf, no pose" in repr(result)
+
+
+def test_assumed_inliers():
+    corners = np.array([[0, 0, 0], [4, 0, 0], [4, 3, 0], [0, 3, 0]], float)
+    turn = np.array([[0, -1, 0], [1, 0, 0], [0, 0, 1]], float)
+    result = consimd.register(corners, corners @ turn.T + [1, 2, 3], assume_inliers=True)
+    assert (result.status, result.solver, result.geometry) == ("success", "least_squares", "determined")
+    assert np.allclose(result.pose, np.block([[turn, np.array([[1], [2], [3]])], [0, 0, 0, 1]]), atol=1e-6)
+    assert result.inliers.tolist() == [0, 1, 2, 3]
+    assert result.residuals.shape == (4,) and result.residuals.max() < 1e-5 and result.sigma < 1e-5
+    line = np.arange(4.0)[:, None] * [1, 2, 3]
+    result = consimd.register(line, line, assume_inliers=True)
+    assert (result.status, result.geometry, result.pose) == ("degenerate_geometry", "collinear", None)
+    with pytest.raises(TypeError, match="assume_inliers"):
+        consimd.register(corners, corners, 0.1, assume_inliers=True)
 
 
 def test_two_motions_are_ambiguous():
