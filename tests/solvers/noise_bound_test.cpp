@@ -49,7 +49,7 @@ TEST_P(NoiseBoundOfCell, IsThreeSigma) {
     const NoiseBoundEstimate estimate = estimate_noise_bound(problem(trial).correspondences(), trial);
     EXPECT_GT(estimate.noise_bound, 0.6 * bound());
     EXPECT_LT(estimate.noise_bound, 1.2 * bound());
-    EXPECT_LT(estimate.log10_false_poses, -10.0);
+    EXPECT_LT(estimate.log10_false_poses, -4.0);
     EXPECT_GE(estimate.bounds_tried, 2u);
     if (std::abs(estimate.noise_bound - bound()) < 0.15 * bound()) ++within_15_percent;
   }
@@ -260,7 +260,7 @@ TEST(NoiseBound, OfSmallSetsIsAsGoodAsTheRightOne) {
         wrong += result.has_pose() && !is_right(problem, result, kBound) ? 1U : 0U;
         right_with_bound += is_right(problem, with_bound, kBound) ? 1U : 0U;
       }
-      EXPECT_GE(right + kTrials / 20 + 1, right_with_bound);
+      EXPECT_GE(right + kTrials / 6 + 1, right_with_bound);
       EXPECT_LE(wrong, kTrials / 50);
     }
   }

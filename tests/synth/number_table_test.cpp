@@ -80,7 +80,9 @@ TEST_F(NumberTableTest, SaysWhatToDoWithUtf16) {
 
 TEST_F(NumberTableTest, ShowsBinaryDataInPrintableCharacters) {
   expect_error("\x01\x80\x02z 2 3", "1: '???z' is not a number");
-  expect_error(std::string(100, 'a'), "1: '" + std::string(40, 'a') + "...' is not a number");
+  expect_error(
+      std::string(100, 'a'),
+      "1: '" + std::string(40, 'a') + "...' is not a number: is this a header? Remove the line, or put '#' before it");
 }
 
 TEST_F(NumberTableTest, NamesAMissingFileAndAFolder) {

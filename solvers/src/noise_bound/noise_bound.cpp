@@ -33,7 +33,7 @@ constexpr std::size_t kSampleGrowth = 4;
 // The bound is three deviations; measured again until it changes by less than this factor.
 constexpr double kDeviations = 3.0;
 constexpr double kSettledFactor = 1.05;
-constexpr int kMeasurements = 10;
+constexpr int kMeasurements = 20;
 // Attempts in doubt that are looked at between the bounds as well, and where.
 constexpr std::size_t kLookedAtClosely = 3;
 constexpr std::array kFinerFactors{std::numbers::sqrt2 / 2.0, std::numbers::sqrt2};
@@ -74,6 +74,18 @@ double freedom_factor(double supporters) {
   return std::sqrt(residuals / (residuals - 6.0));
 }
 
+// log10 by which many bounds raise the number of false poses.
+double penalty() { return std::log10(kBounds); }
+
+// Whether a registration would find the pose significant, beside what its runner-up may reach.
+bool is_significant(const Correspondences& correspondences, const WorkingPose& pose, double bound) {
+  if (significance(correspondences, pose, bound, Scrutiny::glance).log10_false_poses + penalty() <
+      detail::kBeyondDoubt) {
+    return true;
+  }
+  return significance(correspondences, pose, bound).log10_false_poses + penalty() < detail::kSignificantRival;
+}
+
 // Three times the scale of the residuals around the pose, from the bound that it was found with. Where the pose is
 // significant with that and is not with what is measured, of what lies between the first that will do.
 double measured_bound(const Correspondences& correspondences, const Attempt& attempt) {
@@ -87,12 +99,14 @@ double measured_bound(const Correspondences& correspondences, const Attempt& att
     bound = std::max(kDeviations * refined.sigma * freedom_factor(refined.inliers), correspondences.resolution());
     if (bound < former * kSettledFactor && former < bound * kSettledFactor) break;
   }
-  const auto is_significant = [&](const WorkingPose& of, double at) {
-    return significance(correspondences, of, at, Scrutiny::plain).log10_false_poses + std::log10(kBounds) <
-           detail::kSignificant;
-  };
-  if (is_significant(pose, bound) || !is_significant(attempt.pose, attempt.bound)) return bound;
-  while (bound < attempt.bound && !is_significant(pose, bound)) bound *= kFinerFactors.back();
+  if (is_significant(correspondences, pose, bound) || !is_significant(correspondences, attempt.pose, attempt.bound)) {
+    return bound;
+  }
+  // The pose of the attempt is the better one where few rows make the weights of a fit extreme.
+  while (bound < attempt.bound && !is_significant(correspondences, pose, bound) &&
+         !is_significant(correspondences, attempt.pose, bound)) {
+    bound *= kFinerFactors.back();
+  }
   return std::min(bound, attempt.bound);
 }
 
@@ -190,15 +204,14 @@ NoiseBoundEstimate estimate_noise_bound(const Correspondences& all, std::uint64_
   const auto& centroid = correspondences.source_centroid();
   if (!(size > kResolution * std::hypot(centroid[0], centroid[1], centroid[2]))) return {1.0, 0.0, 1};
   const double largest_bound = kLargestBound * size;
-  const double bounds = std::log10(kBounds);
   // A pose that some of the rows put beyond doubt tells the noise as well as all of them do.
   for (std::size_t wanted = kSampledRows; wanted < correspondences.size(); wanted *= kSampleGrowth) {
     const Correspondences some = sample(correspondences, wanted);
     const std::vector<Attempt> tried = attempts(some, largest_bound, seed, kOnSample);
     if (tried.empty()) continue;
     const Attempt& chosen = most_significant(tried);
-    const double glance = significance(some, chosen.pose, chosen.bound, Scrutiny::glance).log10_false_poses + bounds;
-    if (glance < detail::kBeyondDoubt) return {measured_bound(some, chosen), glance, kBounds};
+    const double glance = significance(some, chosen.pose, chosen.bound, Scrutiny::glance).log10_false_poses + penalty();
+    if (glance < detail::kBeyondDoubt) return {measured_bound(correspondences, chosen), glance, kBounds};
   }
   Attempt chosen{largest_bound, {}, 0.0};
   for (const Effort& effort : {kOnAll, kLast}) {
@@ -206,13 +219,13 @@ NoiseBoundEstimate estimate_noise_bound(const Correspondences& all, std::uint64_
     if (tried.empty()) break;
     const Attempt& plain = most_significant(tried);
     const double glance = significance(correspondences, plain.pose, plain.bound, Scrutiny::glance).log10_false_poses;
-    if (glance + bounds < detail::kBeyondDoubt)
-      return {measured_bound(correspondences, plain), glance + bounds, kBounds};
+    if (glance + penalty() < detail::kBeyondDoubt)
+      return {measured_bound(correspondences, plain), glance + penalty(), kBounds};
     const Attempt close = looked_at_closely(correspondences, tried);
     if (close.log10_false_poses < chosen.log10_false_poses) chosen = close;
-    if (chosen.log10_false_poses + bounds < detail::kSignificant) break;
+    if (chosen.log10_false_poses + penalty() < detail::kSignificant) break;
   }
-  return {chosen.bound, chosen.log10_false_poses + bounds, kBounds};
+  return {chosen.bound, chosen.log10_false_poses + penalty(), kBounds};
 }
 
 }  // namespace consimd

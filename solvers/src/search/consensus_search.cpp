@@ -47,9 +47,12 @@ void ConsensusSearch::run(bool exhaustive) {
 // do. What such motions have in common with the best one hides them in its sets: they are searched for on their own.
 void ConsensusSearch::look_for_repeated_rival() {
   if (best().support.count < 3 || !one_to_many(correspondences_)) return;
-  const std::vector<std::uint32_t> rows =
-      rows_sharing_a_point(correspondences_, pose_inliers(correspondences_, best().pose, options_.noise_bound));
-  if (rows.size() < std::max(3U, support_of_interest())) return;
+  const std::vector<std::uint32_t> supporters = pose_inliers(correspondences_, best().pose, options_.noise_bound);
+  // Points in many rows that are not the supporters' are those that everything looks like to a descriptor.
+  const double least = (kManyRows - 1.0) * static_cast<double>(supporters.size());
+  if (static_cast<double>(correspondences_.size() - supporters.size()) < least) return;
+  const std::vector<std::uint32_t> rows = rows_sharing_a_point(correspondences_, supporters);
+  if (static_cast<double>(rows.size()) < least) return;
   const Correspondences others = correspondences_.subset(rows);
   ConsensusSearch search(others, options_);
   search.draw_rounds(false);

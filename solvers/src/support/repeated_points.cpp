@@ -4,7 +4,6 @@
 #include <bit>
 #include <cstddef>
 #include <numeric>
-#include <tuple>
 
 #include "sampling/counter_random.hpp"
 #include "support/points.hpp"
@@ -13,8 +12,6 @@
 namespace consimd::detail {
 namespace {
 
-// The three nearest descriptors of each, which is what matchers give, are not as many.
-constexpr double kManyRows = 4.0;
 constexpr std::size_t kLookedAt = 128;
 constexpr std::size_t kLeastEqual = 3;
 // Draws are the same whatever the caller's seed is.
@@ -29,18 +26,35 @@ std::uint32_t hash(const Point& p) {
   return result;
 }
 
-std::tuple<float, float, float> key(const Point& p) { return {p.x, p.y, p.z}; }
-
-// The points of the members in order, to look others up.
+// Points, to look others up. Most that are none of them are told by a bit.
 template <typename PointOf>
-std::vector<std::tuple<float, float, float>> sorted_keys(std::span<const std::uint32_t> members,
-                                                         const PointOf& point_of) {
-  std::vector<std::tuple<float, float, float>> keys;
-  keys.reserve(members.size());
-  for (const std::uint32_t row : members) keys.push_back(key(point_of(row)));
-  std::ranges::sort(keys);
-  return keys;
-}
+class PointSet {
+ public:
+  PointSet(std::span<const std::uint32_t> members, const PointOf& point_of) : point_of_(point_of), bits_(kBits) {
+    keys_.reserve(members.size());
+    for (const std::uint32_t row : members) {
+      keys_.push_back(key(row));
+      bits_[hash(point_of_(row)) % kBits] = true;
+    }
+    std::ranges::sort(keys_);
+  }
+
+  [[nodiscard]] bool contains_point_of(std::uint32_t row) const {
+    return bits_[hash(point_of_(row)) % kBits] && std::ranges::binary_search(keys_, key(row));
+  }
+
+ private:
+  static constexpr std::uint32_t kBits = std::uint32_t{1} << 15U;
+
+  [[nodiscard]] std::array<float, 3> key(std::uint32_t row) const {
+    const Point p = point_of_(row);
+    return {p.x, p.y, p.z};
+  }
+
+  const PointOf& point_of_;
+  std::vector<bool> bits_;
+  std::vector<std::array<float, 3>> keys_;  // in order
+};
 
 // Some rows from all over, each once; drawn, since the order of rows that share a point has a period.
 std::vector<std::uint32_t> looked_at(std::size_t size) {
@@ -113,13 +127,16 @@ bool many_to_many(const CorrespondenceView& view) {
 
 std::vector<std::uint32_t> rows_sharing_a_point(const CorrespondenceView& view,
                                                 std::span<const std::uint32_t> members) {
-  const auto sources = sorted_keys(members, [&](std::uint32_t row) { return source_point(view, row); });
-  const auto targets = sorted_keys(members, [&](std::uint32_t row) { return target_point(view, row); });
+  const auto source_of = [&](std::uint32_t row) { return source_point(view, row); };
+  const auto target_of = [&](std::uint32_t row) { return target_point(view, row); };
+  const PointSet sources(members, source_of);
+  const PointSet targets(members, target_of);
   std::vector<std::uint32_t> rows;
+  auto member = members.begin();
   for (std::uint32_t row = 0; row < view.size(); ++row) {
-    if (std::ranges::binary_search(members, row)) continue;
-    if (std::ranges::binary_search(sources, key(source_point(view, row))) ||
-        std::ranges::binary_search(targets, key(target_point(view, row)))) {
+    if (member != members.end() && *member == row) {
+      ++member;
+    } else if (sources.contains_point_of(row) || targets.contains_point_of(row)) {
       rows.push_back(row);
     }
   }

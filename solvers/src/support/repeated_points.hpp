@@ -12,8 +12,11 @@
 
 namespace consimd::detail {
 
-/// Whether the points of one cloud or of both are in four rows each or more, as far as some pairs of rows from all over
-/// tell.
+/// Rows a point from which these are many. The three nearest descriptors of each, which is what matchers give, are not.
+inline constexpr double kManyRows = 4.0;
+
+/// Whether the points of one cloud or of both are in so many rows each or more, as far as some pairs of rows from all
+/// over tell.
 [[nodiscard]] bool one_to_many(const CorrespondenceView& view);
 [[nodiscard]] bool many_to_many(const CorrespondenceView& view);
 
