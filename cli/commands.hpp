@@ -10,7 +10,7 @@ namespace consimd::cli {
 /// Exit codes.
 inline constexpr int kSuccess = 0;
 inline constexpr int kNoPose = 1;         ///< a registration found no pose
-inline constexpr int kBadInput = 2;       ///< bad usage, bad input, or a file that cannot be written
+inline constexpr int kBadInput = 2;       ///< bad usage, bad input, or a file or output that cannot be written
 inline constexpr int kInterrupted = 130;  ///< stopped by a signal
 
 /// What the chosen subcommand does; returns the exit code, throws what goes to stderr in one line.

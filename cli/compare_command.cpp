@@ -17,6 +17,7 @@
 #include "option_checks.hpp"
 #include "progress.hpp"
 #include "solver_arguments.hpp"
+#include "standard_streams.hpp"
 #include "threads.hpp"
 
 namespace consimd::cli {
@@ -43,7 +44,7 @@ int run_compare(Options options) {
   fmt::print("{} runs on {} groups of cases, {} on {} thread{}, {} done before, writing to {}\n", comparison.size(),
              comparison.groups().size(), facts.isa, facts.threads, facts.threads == 1 ? "" : "s", comparison.filled(),
              options.out);
-  std::fflush(stdout);
+  flush_standard_output();
   if (!comparison.complete()) {
     const InterruptionGuard guard;
     Progress progress(comparison.size(), comparison.filled(), "runs");
@@ -58,8 +59,7 @@ int run_compare(Options options) {
   const std::vector<studies::TextTable> results = studies::make_tables(tables, comparison);
   folder.write(comparison, results, facts);
   if (!comparison.complete()) {
-    fmt::print(stderr, "consimd: stopped after {} of {} runs; the same command resumes\n", comparison.filled(),
-               comparison.size());
+    tell("consimd: stopped after {} of {} runs; the same command resumes\n", comparison.filled(), comparison.size());
     return kInterrupted;
   }
   for (const studies::TextTable& table : results) fmt::print("\n{}", studies::to_markdown(table));

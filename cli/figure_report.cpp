@@ -1,6 +1,5 @@
 #include "figure_report.hpp"
 
-#include <cstdio>
 #include <filesystem>
 #include <stdexcept>
 #include <string>
@@ -10,6 +9,8 @@
 #include <fmt/ranges.h>
 
 #include <consimd/studies/figures.hpp>
+
+#include "standard_streams.hpp"
 
 namespace consimd::cli {
 namespace {
@@ -23,7 +24,7 @@ std::filesystem::path program() {
 
 void draw_and_name_figures(std::string_view script, std::string_view folder,
                            const std::vector<std::string_view>& names) {
-  std::fflush(stdout);
+  flush_standard_output();
   try {
     studies::draw_figures(script, folder, program());
     std::vector<std::string> files;
@@ -31,7 +32,7 @@ void draw_and_name_figures(std::string_view script, std::string_view folder,
     for (const std::string_view name : names) files.push_back(fmt::format("{}/{}.svg", folder, name));
     fmt::print("figure{}: {} (and .png)\n", files.size() == 1 ? "" : "s", fmt::join(files, ", "));
   } catch (const std::runtime_error& error) {
-    fmt::print(stderr, "consimd: figures not drawn: {}\n", error.what());
+    tell("consimd: figures not drawn: {}\n", error.what());
   }
 }
 

@@ -34,14 +34,13 @@ int run_generate(const Options& options) {
   if (!(options.scale > 0.0 && std::isfinite(options.scale))) {
     throw std::invalid_argument(fmt::format("--scale: expected a finite number > 0, got {}", options.scale));
   }
-  studies::require_writable_folder(options.out);
-
   const synth::Problem problem = synth::noise_study_problem({.correspondences = options.points,
                                                              .outlier_ratio = options.outliers,
                                                              .sigma = options.sigma,
                                                              .seed = options.seed,
                                                              .trial = options.trial,
                                                              .scale = options.scale});
+  studies::require_writable_folder(options.out);
   synth::write_problem(problem, options.out);
   fmt::print("{}: {} correspondences, noise bound {} m (3 sigma)\n", options.out, problem.size(),
              synth::noise_study_bound(options.sigma));

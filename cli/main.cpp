@@ -2,6 +2,7 @@
 #include <cstdio>
 #include <exception>
 #include <new>
+#include <sstream>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -13,19 +14,35 @@
 
 #include <consimd/studies/build_info.hpp>
 #include "commands.hpp"
+#include "standard_streams.hpp"
 
 namespace {
 
+using namespace consimd::cli;
+
 int fail(std::string message) {
   std::replace(message.begin(), message.end(), '\n', ' ');
-  fmt::print(stderr, "consimd: {}\n", message);
-  return consimd::cli::kBadInput;
+  tell("consimd: {}\n", message);
+  return kBadInput;
+}
+
+/// Parses and does what the arguments say, help and version included. Throws CLI::ParseError on wrong usage.
+int run_command(CLI::App& app, int argc, char** argv, const Action& run) {
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::Success& help_or_version) {
+    std::ostringstream text;
+    app.exit(help_or_version, text);
+    fmt::print("{}", text.str());
+    return kSuccess;
+  }
+  return run();
 }
 
 }  // namespace
 
 int main(int argc, char** argv) {
-  using namespace consimd::cli;
+  occupy_standard_descriptors();
   CLI::App app("Correspondence-based 3D registration on vectorised consensus kernels.", "consimd");
   app.set_version_flag("--version", fmt::format("consimd {}", consimd::studies::build_info().version));
   app.require_subcommand(1);
@@ -49,11 +66,10 @@ int main(int argc, char** argv) {
   add_generate_command(app, run);
   add_info_command(app, run);
   try {
-    app.parse(argc, argv);
-    const int code = run();
-    return std::fflush(stdout) == 0 ? code : fail("cannot write to the standard output");
+    const int code = run_command(app, argc, argv, run);
+    flush_standard_output();
+    return code;
   } catch (const CLI::ParseError& error) {
-    if (error.get_exit_code() == 0) return app.exit(error);  // help or version
     if (!app.get_subcommands().empty()) return fail(error.what());
     return fail(app.remaining_size() == 0
                     ? "expected a command; see 'consimd --help'"
@@ -61,6 +77,7 @@ int main(int argc, char** argv) {
   } catch (const std::bad_alloc&) {
     return fail("out of memory");
   } catch (const std::exception& error) {
-    return fail(error.what());
+    // What a printing function throws does not say where to.
+    return fail(std::ferror(stdout) != 0 ? "cannot write to the standard output" : error.what());
   }
 }

@@ -5,6 +5,8 @@
 
 #include <fmt/format.h>
 
+#include "standard_streams.hpp"
+
 namespace consimd::cli {
 namespace {
 
@@ -35,7 +37,7 @@ Progress::Progress(std::size_t total, std::size_t done, std::string_view steps)
 }
 
 Progress::~Progress() {
-  if (line_open_) fmt::print(stderr, "\n");
+  if (line_open_) tell("\n");
 }
 
 void Progress::step() {
@@ -50,12 +52,11 @@ void Progress::step() {
 void Progress::show(Clock::time_point now) {
   shown_ = now;
   if (!terminal_) {
-    fmt::print(stderr, "{}\n", status(now));
+    tell("{}\n", status(now));
     return;
   }
   const std::size_t filled = kBarWidth * done_ / total_;
-  fmt::print(stderr, "\r[{:=<{}}{:{}}] {}\x1b[K", "", filled, "", kBarWidth - filled, status(now));
-  std::fflush(stderr);
+  tell("\r[{:=<{}}{:{}}] {}\x1b[K", "", filled, "", kBarWidth - filled, status(now));
   line_open_ = true;
 }
 

@@ -1,20 +1,18 @@
 #include "study_report.hpp"
 
-#include <cstdio>
-
 #include <fmt/format.h>
 
-#include <consimd/studies/cell_summary.hpp>
 #include <consimd/studies/figures.hpp>
 #include "figure_report.hpp"
+#include "standard_streams.hpp"
 #include "sweep_table.hpp"
 
 namespace consimd::cli {
 
-void print_trials(const studies::TrialTable& table) {
-  fmt::print("\n{}\n", sweep_table(studies::summarise_ratios(table)));
+void print_trials(const std::vector<studies::RatioSummary>& rows) {
+  fmt::print("\n{}\n", sweep_table(rows));
   fmt::print("Errors are means over all trials, failures included; the oracle is least squares on the true inliers.\n");
-  std::fflush(stdout);
+  flush_standard_output();
 }
 
 void print_limits(const std::vector<studies::LimitRecord>& limits, const studies::SweepOptions& options) {

@@ -4,13 +4,13 @@
 #include <string>
 #include <vector>
 
+#include <consimd/studies/cell_summary.hpp>
 #include <consimd/studies/limits.hpp>
-#include <consimd/studies/trial_table.hpp>
 
 namespace consimd::cli {
 
-/// Prints the table of a whole study that is complete.
-void print_trials(const studies::TrialTable& table);
+/// Prints the table of a whole study.
+void print_trials(const std::vector<studies::RatioSummary>& rows);
 
 /// Prints where the limits lie.
 void print_limits(const std::vector<studies::LimitRecord>& limits, const studies::SweepOptions& options);

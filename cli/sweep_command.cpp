@@ -1,4 +1,3 @@
-#include <algorithm>
 #include <cstdlib>
 #include <filesystem>
 #include <memory>
@@ -20,6 +19,7 @@
 #include "option_checks.hpp"
 #include "progress.hpp"
 #include "solver_arguments.hpp"
+#include "standard_streams.hpp"
 #include "study_report.hpp"
 #include "threads.hpp"
 
@@ -67,7 +67,7 @@ bool measure_limits(const studies::SweepOptions& options, const std::vector<doub
   const studies::LimitControl control{.on_problem = [&] { progress.step(); },
                                       .stop_requested = [] { return InterruptionGuard::requested(); }};
   for (const double sigma : levels) {
-    if (std::ranges::count(folder.limits(), sigma, &studies::LimitRecord::sigma) != 0) continue;
+    if (folder.has_limit(sigma)) continue;
     const std::optional<studies::LimitRecord> limit = studies::measure_limit(options, sigma, control);
     if (!limit) return false;
     folder.append(*limit);
@@ -83,14 +83,14 @@ int run_sweep_command(Options options) {
   options.study.sigmas = values_of("--sigma", options.sigma);
   options.study.solvers = labels_of(options.study.solvers, options.settings);
   options.study.filter = filter_by_name(options.filter);
-  studies::TrialTable table(std::move(options.study), shard);
+  studies::TrialTable table(std::move(options.study), shard, studies::TrialTable::Keep::marks);
   const studies::RunFacts facts{.isa = to_string(active_isa()), .threads = options.threads};
   studies::StudyFolder folder(out, table, facts, options.fresh);
 
   fmt::print("{} trials{} in {} cells, noise bound 3 sigma, {} on {} thread{}, {} done before, writing to {}\n",
              table.size(), part, table.options().cells(), facts.isa, facts.threads, facts.threads == 1 ? "" : "s",
              table.filled(), out);
-  std::fflush(stdout);
+  flush_standard_output();
   if (!table.complete()) {
     const InterruptionGuard guard;
     const std::string steps = "trials" + part;
@@ -104,18 +104,17 @@ int run_sweep_command(Options options) {
     with_threads(options.threads, [&] { studies::run_sweep(table, control); });
   }
   if (!table.complete()) {
-    fmt::print(stderr, "consimd: stopped after {} of {} trials{}; the same command resumes\n", table.filled(),
-               table.size(), part);
+    tell("consimd: stopped after {} of {} trials{}; the same command resumes\n", table.filled(), table.size(), part);
     return kInterrupted;
   }
-  folder.finish(table, facts);
-  if (!shard) print_trials(table);
+  const studies::StudySummary summary = folder.finish(table, facts);
+  if (!shard) print_trials(summary.ratios());
   if (options.map) {
     const std::vector<double> levels = limit_levels(table.options(), shard);
     const std::string steps = "limit problems" + part;
     if (!with_threads(options.threads, [&] { return measure_limits(table.options(), levels, steps, folder); })) {
-      fmt::print(stderr, "consimd: stopped after the limits of {} of {} noise levels{}; the same command resumes\n",
-                 folder.limits().size(), levels.size(), part);
+      tell("consimd: stopped after the limits of {} of {} noise levels{}; the same command resumes\n",
+           folder.limits().size(), levels.size(), part);
       return kInterrupted;
     }
     if (!shard) print_limits(folder.limits(), table.options());
@@ -178,7 +177,7 @@ void add_sweep_command(CLI::App& app, Action& run) {
       "makes\n"
       "the study of them. 'auto' takes the index of a Slurm array task (slurm-array), the rank that an MPI launcher\n"
       "gave (openmpi, pmi), or that of a Slurm step (slurm); without --shard the environment is not looked at.\n"
-      "Exit code: 0 when complete, 2 on bad usage, 130 when stopped.\n"
+      "Exit code: 0 when complete, 2 on bad usage or where output cannot be written, 130 when stopped.\n"
       "Examples:\n"
       "  consimd sweep                                                the paper's study: 25000 trials\n"
       "  consimd sweep --outliers 0.9,0.99 --sigma 0.5,1,2 --trials 20 --out quick\n"

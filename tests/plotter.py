@@ -6,7 +6,7 @@ import sys
 
 def has_matplotlib(python):
     try:
-        return subprocess.run([python, "-c", "import matplotlib"], capture_output=True, check=False).returncode == 0
+        return subprocess.run([python, "-I", "-c", "import matplotlib"], capture_output=True, check=False).returncode == 0
     except FileNotFoundError:
         return False
 

@@ -11,7 +11,7 @@ program=$root/build/release/bin/consimd_bench
 plotting_python() {
   local python
   for python in ${CONSIMD_PYTHON:-} python3 /usr/bin/python3; do
-    "$python" -c 'import matplotlib' 2>/dev/null && echo "$python" && return
+    "$python" -I -c 'import matplotlib' 2>/dev/null && echo "$python" && return
   done
   fail "no Python with matplotlib found: set CONSIMD_PYTHON to one"
 }

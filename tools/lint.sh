@@ -28,7 +28,7 @@ check_rules() {
 check_scripts() {
   shellcheck "$root"/{dev,.ci/run} "$root"/{tools,tests}/*.sh "$root"/{tools,tests}/*/*.sh
   find "$root"/{bench,cli,docs,studies,packaging,python,tests,tools} -name '*.py' -print0 |
-    xargs -0 python3 -c 'import ast, sys; [ast.parse(open(f).read(), f) for f in sys.argv[1:]]'
+    xargs -0 python3 -I -c 'import ast, sys; [ast.parse(open(f).read(), f) for f in sys.argv[1:]]'
 }
 
 check_prose() {
@@ -38,7 +38,7 @@ check_prose() {
 # What clang-tidy reads: the release build as it is configured, with the Python module where ./dev python has left nanobind.
 tidy_database() {
   local python=$root/build/python-venv/bin/python module=()
-  if "$python" -c 'import nanobind' 2>/dev/null; then
+  if "$python" -I -c 'import nanobind' 2>/dev/null; then
     module=(-DCONSIMD_BUILD_PYTHON=ON -DPython_EXECUTABLE="$python")
   else
     say "python/src is left out until ./dev python has run"

@@ -8,7 +8,7 @@ set -euo pipefail
 # Makes the virtual environment, anew if it is of another Python than is wanted, and installs what building and testing need.
 python_environment() {
   local venv=$1 python=${CONSIMD_PYTHON:-/usr/bin/python3} identity='import sys; print(sys.base_prefix, sys.version)'
-  if [[ $("$venv/bin/python" -c "$identity" 2>/dev/null) != "$("$python" -c "$identity")" ]]; then
+  if [[ $("$venv/bin/python" -I -c "$identity" 2>/dev/null) != "$("$python" -I -c "$identity")" ]]; then
     "$python" -m venv --clear "$venv" || fail "cannot make $venv; CONSIMD_PYTHON names another Python"
   fi
   say "installing Python packages in $venv"
@@ -48,6 +48,8 @@ bytes=$(stat --format=%s "$wheels"/*.whl)
 say "$(basename "$wheels"/*.whl): $bytes bytes"
 ((bytes < 10000000)) || fail "the wheel is larger than 10 MB"
 "$venv/bin/pip" install --quiet --force-reinstall --no-deps "$wheels"/*.whl
+"$venv/bin/python" -I "$root/tools/check_binaries.py" --hardened "$venv"/lib/python*/site-packages/consimd
+"$venv/bin/python" -I "$root/tools/check_binaries.py" "$venv"/lib/python*/site-packages/consimd.libs
 
 say "checking types"
 # Not from the folder above: `import consimd` must find what was installed.
@@ -55,7 +57,7 @@ say "checking types"
   typed_calls.py ../examples/register_pair.py)
 python_tests "$venv" "$@"
 python_times "$venv"
-if "$venv/bin/python" -c 'import sys; sys.exit(sys.version_info >= (3, 13))'; then
+if "$venv/bin/python" -I -c 'import sys; sys.exit(sys.version_info >= (3, 13))'; then
   say "the same tests with NumPy 1.26"
   [[ -d $venv/numpy1/numpy ]] || "$venv/bin/pip" install --quiet --target "$venv/numpy1" 'numpy==1.26.*'
   PYTHONPATH=$venv/numpy1 python_tests "$venv" "$@"

@@ -20,7 +20,8 @@ CPP_ALONE = {
                 "weighted_histogram_sum", "best_matches"},
     "poses": {"column_points", "row_points"},
     "synth": {"stand_in", "read_correspondences", "read_pose", "read_scaled_pose", "read_problem", "write_pose"}
-    | {"with_far_rows", "with_rows_without_depth", "repeated_targets", "all_to_all", "symmetric_part"},
+    | {"with_far_rows", "with_rows_without_depth", "repeated_targets", "all_to_all", "symmetric_part"}
+    | {"read_text", "remove_abandoned_files"},
 }
 # Of Python alone: classes, and bit sets as masks.
 PYTHON_ALONE = {

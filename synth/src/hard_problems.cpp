@@ -274,7 +274,19 @@ class Generator {
     problem.decoy_T_target_source = in_frame_of_rows(decoy_motion_);
     problem.scale = options_.scale;
     problem.sigma = options_.units_per_metre * options_.sigma;
+    require_finite(problem);
     return problem;
+  }
+
+  /// Options that are in range alone may together lead out of a double's range.
+  void require_finite(const Problem& problem) const {
+    const auto finite = [](const auto& values) {
+      return std::all_of(values.begin(), values.end(), [](double value) { return std::isfinite(value); });
+    };
+    if (finite(problem.source) && finite(problem.target) && problem.T_target_source.matrix().allFinite()) return;
+    throw std::invalid_argument(
+        "sigma, scale, units_per_metre, half_extent and offsets: expected values of which the "
+        "coordinates are finite numbers");
   }
 
   void append(std::vector<double>& cloud, const Eigen::Vector3d& point, const Eigen::Vector3d& offset,

@@ -1,34 +1,18 @@
 #include "number_table.hpp"
 
-#include <cerrno>
 #include <charconv>
 #include <cmath>
-#include <fstream>
-#include <iostream>
-#include <iterator>
 #include <stdexcept>
 #include <string>
 #include <string_view>
 #include <system_error>
 
+#include <consimd/synth/text_file.hpp>
+
 namespace consimd::synth {
 namespace {
 
 constexpr std::string_view kBlanks = " \t\v\f\r";
-
-std::string read_text(const std::filesystem::path& path) {
-  if (path == "-") return {std::istreambuf_iterator<char>(std::cin), std::istreambuf_iterator<char>()};
-  std::error_code ignored;
-  if (std::filesystem::is_directory(path, ignored)) {
-    throw std::runtime_error(path.string() + ": is a folder, expected a file");
-  }
-  errno = 0;
-  std::ifstream file(path, std::ios::binary);
-  if (!file) {
-    throw std::runtime_error(path.string() + ": cannot read: " + std::generic_category().message(errno));
-  }
-  return {std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
-}
 
 /// A word of the file as an error message may show it: short and printable.
 std::string shown(std::string_view word) {

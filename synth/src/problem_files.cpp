@@ -4,8 +4,6 @@
 #include <charconv>
 #include <cmath>
 #include <cstddef>
-#include <fstream>
-#include <ios>
 #include <iterator>
 #include <numbers>
 #include <optional>
@@ -20,6 +18,7 @@
 #include <Eigen/Dense>
 
 #include <consimd/synth/noise_study.hpp>
+#include <consimd/synth/pending_file.hpp>
 
 #include "number_table.hpp"
 
@@ -27,39 +26,6 @@ namespace consimd::synth {
 namespace {
 
 namespace fs = std::filesystem;
-
-/// A file under a temporary name: renamed by `commit`, else removed.
-class PendingFile {
- public:
-  PendingFile(fs::path path, const std::string& text) : path_(std::move(path)), temporary_(path_) {
-    temporary_ += ".partial";
-    std::ofstream stream(temporary_, std::ios::binary);
-    stream.write(text.data(), static_cast<std::streamsize>(text.size()));
-    stream.close();
-    if (!stream) {
-      remove_temporary();
-      throw std::runtime_error("cannot write " + path_.string());
-    }
-  }
-  PendingFile(const PendingFile&) = delete;
-  PendingFile& operator=(const PendingFile&) = delete;
-  ~PendingFile() { remove_temporary(); }
-
-  void commit() {
-    std::error_code error;
-    fs::rename(temporary_, path_, error);
-    if (error) throw std::runtime_error("cannot write " + path_.string() + ": " + error.message());
-  }
-
- private:
-  void remove_temporary() const noexcept {
-    std::error_code ignored;  // after `commit` there is nothing to remove
-    fs::remove(temporary_, ignored);
-  }
-
-  fs::path path_;
-  fs::path temporary_;
-};
 
 /// Digits that read back as the same double, whatever the locale.
 void append_number(std::string& text, double value) {
@@ -140,6 +106,20 @@ std::string case_text(const Problem& problem) {
   return text + "\n}\n";
 }
 
+/// What the readers of the files refuse is not written.
+void require_finite(const Problem& problem) {
+  for (const std::vector<double>* const cloud : {&problem.source, &problem.target}) {
+    for (std::size_t i = 0; i < cloud->size(); ++i) {
+      if (std::isfinite((*cloud)[i])) continue;
+      throw std::invalid_argument("row " + std::to_string(i / 3) + " of the " +
+                                  (cloud == &problem.source ? "source" : "target") + " is not finite");
+    }
+  }
+  if (!problem.T_target_source.matrix().allFinite() || !std::isfinite(problem.scale)) {
+    throw std::invalid_argument("the pose is not finite");
+  }
+}
+
 [[noreturn]] void fail(const fs::path& path, const std::string& what) {
   throw std::runtime_error(path.string() + ": " + what);
 }
@@ -203,6 +183,7 @@ RigidTransform nearest_pose(const fs::path& path, const Eigen::Matrix3d& rotatio
 }  // namespace
 
 void write_problem(const Problem& problem, const fs::path& folder) {
+  require_finite(problem);
   std::error_code error;
   fs::create_directories(folder, error);
   if (error) throw std::runtime_error("cannot make folder " + folder.string() + ": " + error.message());

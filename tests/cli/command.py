@@ -20,23 +20,25 @@ class CommandTest(unittest.TestCase):
         temporary = tempfile.TemporaryDirectory()
         self.addCleanup(temporary.cleanup)
         self.folder = pathlib.Path(temporary.name)
-        # Figures take a second each and need matplotlib: tests draw with a script that only leaves a mark.
+        # Figures take a second each and need matplotlib: tests draw with a script that only leaves a mark, by a Python that
+        # claims to have it.
         tools = tempfile.TemporaryDirectory()
         self.addCleanup(tools.cleanup)
         self.script = pathlib.Path(tools.name) / "plot.py"
         self.script.write_text("import sys; open(sys.argv[1] + '/drawn', 'w')\n")
-        (self.script.parent / "matplotlib.py").touch()
+        self.plotter = self.script.parent / "python"
+        self.plotter.write_text(f'#!/bin/sh\n[ "$3" = "import matplotlib" ] || exec {sys.executable} "$@"\n')
+        self.plotter.chmod(0o700)
         self.environment = {
             **{key: value for key, value in os.environ.items() if key != "CONSIMD_ISA"},
-            "CONSIMD_PYTHON": sys.executable,
+            "CONSIMD_PYTHON": str(self.plotter),
             "CONSIMD_PLOT_SCRIPT": str(self.script),
-            "PYTHONPATH": str(self.script.parent),
         }
 
     def draw_for_real(self):
         """From here on with the project's scripts, by PLOTTER."""
         del self.environment["CONSIMD_PLOT_SCRIPT"]
-        self.environment.update({"CONSIMD_PYTHON": PLOTTER, "PYTHONPATH": ""})
+        self.environment["CONSIMD_PYTHON"] = PLOTTER
 
     def start(self, *arguments, **environment):
         return subprocess.Popen(

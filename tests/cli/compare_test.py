@@ -159,6 +159,46 @@ class Compare(CommandTest):
         self.assertEqual(self.timeless("c/runs.csv"), self.timeless("whole/runs.csv"))
         self.assert_error(*long, "--out", "c", "--seed", 2, says="c holds another comparison: it has seed 1, not 2")
 
+    def test_one_process_at_a_time(self):
+        process = self.start("compare", "--synthetic", "facade", "--trials", 500, "--solver", "ransac-50k", "--out", "c")
+        self.addCleanup(process.wait)
+        self.addCleanup(process.kill)
+        self.assertIn("500 runs", process.stdout.readline())
+        again = self.start("compare", "--synthetic", "facade", "--trials", 500, "--solver", "ransac-50k", "--out", "c")
+        _, err = again.communicate(timeout=60)
+        self.assertEqual((again.returncode, err), (2, "consimd: c: another process is writing to this folder\n"))
+        process.stdout.close()
+        process.stderr.close()
+
+    def test_resuming_refuses_what_has_changed(self):
+        self.case("a", dataset="KITTI")
+        self.case("b", dataset="KITTI")
+        compare = ["compare", "--cases", "cases", "--solver", "tcf", "--out", "c"]
+        self.run_command(*compare)
+        self.run_command(*compare)
+        pose = self.folder / "cases/b/pose.txt"
+        good = pose.read_text()
+        pose.write_text(good + "# seen again\n")
+        self.assert_error(*compare, says="c holds another comparison: case b of KITTI has changed")
+        pose.write_text(good)
+        self.run_command(*compare)
+        self.case("d", dataset="KITTI")
+        self.assert_error(*compare, says="c holds another comparison: case d of KITTI is new")
+        for path in ("d", "b"):
+            (self.folder / "cases" / path).rename(self.folder / path)
+        self.assert_error(*compare, says="c holds another comparison: case b of KITTI is gone")
+        (self.folder / "b").rename(self.folder / "cases/b")
+        summary = self.folder / "c/comparison.json"
+        text = summary.read_text()
+        for old, new, says in ((r'"version": "[^"]*"', '"version": "0.0.9"', "it has version 0.0.9"),
+                               (r'"tcf": "[^"]*"', '"tcf": "0"', "tcf had other options"),
+                               (r'"solver_options": {', '"others": {', "tcf had other options"),
+                               (r'"digests": {', '"others": {', "case a of KITTI is new")):
+            summary.write_text(re.sub(old, new, text))
+            self.assert_error(*compare, says=says)
+        summary.write_text(text)
+        self.run_command(*compare)
+
     def test_bad_options(self):
         for option, values in {
             "--synthetic": ["magic", "arch,magic", "Arch"],
@@ -189,7 +229,8 @@ class Compare(CommandTest):
         json_path = self.folder / "cases/a/case.json"
         good = json_path.read_text()
         for bad, says in (
-            ("nonsense", "case.json: expected a JSON object"),
+            ("nonsense", "case.json: not JSON"),
+            ("[]", "case.json: expected a JSON object"),
             ("{}", "case.json: expected a number above 0 as noise_bound"),
             ('{"noise_bound": -1}', "case.json: expected a number above 0 as noise_bound"),
             ('{"noise_bound": 1}', "case.json: expected a number above 0 as max_rotation_error_deg"),

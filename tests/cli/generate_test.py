@@ -1,5 +1,6 @@
 """consimd generate."""
 
+import fcntl
 import json
 import unittest
 
@@ -29,12 +30,36 @@ class Generate(CommandTest):
         self.assertEqual(a, b)
         self.assertNotEqual(a, c)
 
+    def test_follows_no_link_that_lies_in_wait(self):
+        self.write("victim", "precious")
+        (self.folder / "p").mkdir()
+        for name in ("correspondences.txt", "pose.txt", "labels.txt", "case.json"):
+            for link in (name, f"{name}.partial", f".{name}.part"):
+                (self.folder / "p" / link).symlink_to("../victim")
+        self.run_command("generate", "--points", 50, "--out", "p")
+        self.assertEqual((self.folder / "victim").read_text(), "precious")
+
+    def test_removes_what_a_killed_process_left_and_nothing_else(self):
+        self.run_command("generate", "--points", 50, "--out", "p")
+        whole = self.files().keys()
+        left = self.folder / "p/.consimd-0123456789abcdef.part"
+        left.write_text("half")
+        (self.folder / "p/.consimd-notes.part").write_text("of somebody else")
+        in_use = self.folder / "p/.consimd-fedcba9876543210.part"
+        with open(in_use, "w") as file:
+            fcntl.flock(file, fcntl.LOCK_EX)
+            self.run_command("generate", "--points", 50, "--out", "p")
+        self.assertFalse(left.exists())
+        self.assertEqual(self.files().keys() - whole, {in_use, self.folder / "p/.consimd-notes.part"})
+
     def test_bad_options(self):
         self.assert_error("generate", says="--out")
         for ratio in ("1", "-0.1", "nan", "0.9999", "x"):
             self.assert_error("generate", "--out", "p", "--outliers", ratio, says="outliers")
-        for sigma in ("0", "-1", "nan", "inf"):
+        for sigma in ("0", "-1", "nan", "inf", "1e308"):
             self.assert_error("generate", "--out", "p", "--sigma", sigma, says="sigma")
+        for scale in ("0", "-1", "nan", "inf", "1e-308"):
+            self.assert_error("generate", "--out", "p", "--scale", scale, says="scale")
         for option, values in {
             "--points": ["2", "-5", "99999999999", "x"],
             "--seed": ["-1"],

@@ -8,7 +8,7 @@ import signal
 import time
 import unittest
 
-from command import CONSIMD, CommandTest
+from command import CONSIMD, PLOTTER, CommandTest
 
 SMALL = ["sweep", "--points", 200, "--outliers", "0.5,0.8", "--sigma", "0.1:1:2", "--trials", 3, "--out", "s"]
 # Long enough to be stopped half-way.
@@ -156,12 +156,22 @@ class Sweep(CommandTest):
         self.assertIn(b"100 % 12/12 trials", output)
 
     def test_without_matplotlib_the_data_are_kept(self):
-        (self.script.parent / "matplotlib.py").write_text("raise ImportError\n")
+        self.plotter.write_text("#!/bin/sh\nexit 1\n")
         process = self.start(*SMALL)
         _, err = process.communicate()
         self.assertEqual(process.returncode, 0)
         self.assertRegex(err.splitlines()[-1], "figures not drawn: no Python with matplotlib.*python3-matplotlib")
         self.assertEqual(len(self.rows("s/cells.csv")), 4)
+
+    def test_drawing_imports_nothing_from_the_current_folder(self):
+        if PLOTTER is None:
+            self.skipTest("no Python with matplotlib")
+        for name in ("matplotlib", "figure_style", "csv", "plot_map"):
+            self.write(f"{name}.py", "open('foreign', 'w')\n")
+        self.draw_for_real()
+        self.run_command(*SMALL, PYTHONPATH=str(self.folder))
+        self.assertFalse((self.folder / "foreign").exists())
+        self.assertTrue((self.folder / "s/recall.svg").exists())
 
     def test_failing_plot_script(self):
         self.script.write_text("raise SystemExit(3)\n")

@@ -110,6 +110,9 @@ for library in "$work-shared"/prefix/lib*/libconsimd_*.so "$work-shared"/prefix/
 done
 ((${#libraries[@]} == 5)) || fail "expected five shared libraries, found ${#libraries[@]}"
 
+say "what the installed binaries load, and how they are hardened"
+quietly python3 -I "$root/tools/check_binaries.py" --hardened "$static/prefix" "$work-shared/prefix"
+
 # --- Flags ------------------------------------------------------------------------------------------------------------
 
 # The programs of the projects above, and of projects compiled for this processor, on libraries that are, or are not.

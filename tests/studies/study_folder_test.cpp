@@ -1,5 +1,6 @@
 #include <consimd/studies/study_folder.hpp>
 
+#include <algorithm>
 #include <sstream>
 #include <stdexcept>
 
@@ -10,6 +11,7 @@
 
 #include <consimd/studies/cell_summary.hpp>
 #include "small_study.hpp"
+#include "sweep/trial_sorting.hpp"
 #include "temporary_folder.hpp"
 
 namespace consimd::studies {
@@ -164,6 +166,92 @@ TEST(StudyFolder, RefusesForeignLimits) {
                 ThrowsMessage<std::runtime_error>(AllOf(HasSubstr("limits.csv:3"), HasSubstr("not of this study"))));
   }
   EXPECT_EQ(text_of(folder / "study/summary.json"), before);
+}
+
+TEST(StudyFolder, RefusesTrialsThatWereChangedAndNamesTheLine) {
+  const TemporaryFolder folder;
+  (void)run_in(folder / "study", 5);
+  const std::string good = text_of(folder / "study/trials.csv");
+  for (const auto& [from, to] :
+       {std::pair{",success,1,", ",success,7,"}, {",success,1,", ",splendid,1,"}, {",success,1,", ",success,1,nan,"}}) {
+    std::string bad = good;
+    bad.replace(bad.rfind(from), std::string_view(from).size(), to);
+    write_text(folder / "study/trials.csv", bad);
+    EXPECT_THAT([&] { (void)run_in(folder / "study", 1000); },
+                ThrowsMessage<std::runtime_error>(HasSubstr("trials.csv:6: ")))
+        << to;
+    EXPECT_EQ(text_of(folder / "study/trials.csv"), bad);
+  }
+}
+
+TEST(StudyFolder, DropsTheLimitThatACrashCutShort) {
+  const TemporaryFolder folder;
+  const LimitRecord limit{.sigma = 1.0, .problems = kLimitProblems, .chance_support_mean = 4.5};
+  for (const std::string& left : {csv_header(kLimitColumns).substr(0, 4), csv_header(kLimitColumns) + "\n1,10,4."}) {
+    (void)run_in(folder / "study", 0);
+    write_text(folder / "study/limits.csv", left);
+    TrialTable table(small_study());
+    {
+      StudyFolder opened(folder / "study", table, kFacts, false);
+      EXPECT_TRUE(opened.limits().empty());
+      opened.append(limit);
+      EXPECT_TRUE(opened.has_limit(1.0));
+      EXPECT_FALSE(opened.has_limit(0.1));
+    }
+    EXPECT_EQ(text_of(folder / "study/limits.csv"), csv_header(kLimitColumns) + "\n" + to_csv_row(limit));
+  }
+}
+
+TEST(StudyFolder, ThatWasBeingWrittenCanBeWrittenAgain) {
+  const TemporaryFolder folder;
+  const TrialTable whole = run_in(folder / "whole", 1000);
+  const std::string summary = text_of(folder / "whole/summary.json");
+  // Stopped after the first table.
+  std::filesystem::create_directories(folder / "study/cells.csv/in the way");
+  EXPECT_THROW(write_study(folder / "study", whole, {}, summary, false), std::runtime_error);
+  EXPECT_EQ(nlohmann::json::parse(text_of(folder / "study/summary.json"))["complete"], false);
+  std::filesystem::remove_all(folder / "study/cells.csv");
+  write_study(folder / "study", whole, {}, summary, false);
+  for (const char* const name : {"trials.csv", "cells.csv", "summary.json"}) {
+    EXPECT_EQ(text_of(folder / ("study/" + std::string(name))), text_of(folder / ("whole/" + std::string(name))))
+        << name;
+  }
+}
+
+TEST(StudyFolder, NeedsNoRecordsInMemory) {
+  const TemporaryFolder folder;
+  const TrialTable whole = run_in(folder / "whole", 1000);
+  TrialTable marks(small_study(), {}, TrialTable::Keep::marks);
+  EXPECT_TRUE(marks.records().empty());
+  StudyFolder files(folder / "study", marks, kFacts, false);
+  for (std::size_t i = whole.size(); i-- > 0;) {  // trials end in any order
+    files.append(whole.records()[i]);
+    marks.put(whole.records()[i]);
+  }
+  EXPECT_TRUE(marks.complete());
+  const StudySummary summary = files.finish(marks, kFacts);
+  EXPECT_EQ(summary.cells().size(), 4u);
+  EXPECT_EQ(summary.ratios().size(), 2u);
+  for (const char* const name : {"trials.csv", "cells.csv", "summary.json"}) {
+    EXPECT_EQ(text_of(folder / ("study/" + std::string(name))), text_of(folder / ("whole/" + std::string(name))))
+        << name;
+  }
+}
+
+TEST(TrialSorting, IsTheSameInPartsThatMemoryHolds) {
+  const TemporaryFolder folder;
+  const TrialTable whole = run_in(folder / "study", 1000);
+  std::string shuffled = csv_header(kTrialColumns) + "\n";
+  for (const std::size_t i : std::vector<std::size_t>{7, 3, 11, 0, 5, 1, 10, 2, 9, 4, 8, 6})
+    shuffled += to_csv_row(whole.records()[i]);
+  write_text(folder / "trials.csv", shuffled);
+  for (const std::size_t rows : {1U, 3U, 5U, 100U}) {
+    std::vector<TrialRecord> sorted;
+    for_each_sorted(
+        folder / "trials.csv", whole, [&](const TrialRecord& record) { sorted.push_back(record); }, rows);
+    EXPECT_TRUE(std::ranges::equal(sorted, whole.records())) << rows;
+  }
+  EXPECT_EQ(std::distance(std::filesystem::directory_iterator(folder / ""), {}), 2);  // the study and the file
 }
 
 TEST(StudyFolder, RefusesForeignFiles) {

@@ -2,16 +2,19 @@
 
 #include <algorithm>
 #include <cmath>
-#include <fstream>
 #include <map>
 #include <stdexcept>
 #include <string>
 #include <system_error>
+#include <utility>
 
 #include <fmt/format.h>
-#include <nlohmann/json.hpp>
 
 #include <consimd/synth/problem_files.hpp>
+#include <consimd/synth/text_file.hpp>
+
+#include "files/digest.hpp"
+#include "files/json_text.hpp"
 
 namespace consimd::studies {
 namespace fs = std::filesystem;
@@ -23,14 +26,18 @@ constexpr const char* kCase = "case.json";
 constexpr const char* kMaxRotation = "max_rotation_error_deg";
 constexpr const char* kMaxTranslation = "max_translation_error_m";
 
-nlohmann::json read_json(const fs::path& path) {
-  std::ifstream file(path);
-  nlohmann::json json = nlohmann::json::parse(file, nullptr, false);
-  if (!json.is_object()) throw std::runtime_error(fmt::format("{}: expected a JSON object", path.string()));
-  return json;
+Json read_object(const fs::path& path) {
+  const std::string text = synth::read_text(path);
+  try {
+    Json json = parse_json(text);
+    if (!json.is_object()) throw std::invalid_argument("expected a JSON object");
+    return json;
+  } catch (const std::invalid_argument& error) {
+    throw std::runtime_error(fmt::format("{}: {}", path.string(), error.what()));
+  }
 }
 
-std::optional<double> positive_number(const nlohmann::json& json, const char* key) {
+std::optional<double> positive_number(const Json& json, const char* key) {
   const auto found = json.find(key);
   if (found == json.end() || !found->is_number()) return std::nullopt;
   const double value = found->get<double>();
@@ -42,7 +49,7 @@ double required(const std::optional<double>& number, const char* key, const fs::
   throw std::runtime_error(fmt::format("{}: expected a number above 0 as {}", path.string(), key));
 }
 
-std::string text(const nlohmann::json& json, const char* key, const fs::path& path) {
+std::string text(const Json& json, const char* key, const fs::path& path) {
   const auto found = json.find(key);
   if (found == json.end()) return {};
   if (found->is_string()) return found->get<std::string>();
@@ -58,6 +65,20 @@ PoseLimits limits_of(const CaseFile& file, const fs::path& path, std::string_vie
   return file.limits(path);
 }
 
+std::string digest_of(const fs::path& folder) {
+  Digest digest;
+  for (const char* name : {kCorrespondences, kPose, kCase}) digest.add(synth::read_text(folder / name));
+  return digest.text();
+}
+
+synth::Problem load(const fs::path& folder, double noise_bound, std::string_view digest) {
+  synth::Problem problem = synth::read_problem(folder / kCorrespondences, folder / kPose, noise_bound);
+  if (digest_of(folder) != digest) {
+    throw std::runtime_error(fmt::format("{}: its files have changed since the comparison began", folder.string()));
+  }
+  return problem;
+}
+
 }  // namespace
 
 PoseLimits CaseFile::limits(const fs::path& path) const {
@@ -65,7 +86,7 @@ PoseLimits CaseFile::limits(const fs::path& path) const {
 }
 
 CaseFile read_case_file(const fs::path& path) {
-  const nlohmann::json json = read_json(path);
+  const Json json = read_object(path);
   return {.noise_bound = required(positive_number(json, "noise_bound"), "noise_bound", path),
           .max_rotation_error_deg = positive_number(json, kMaxRotation),
           .max_translation_error = positive_number(json, kMaxTranslation),
@@ -95,12 +116,14 @@ std::vector<CaseGroup> case_folder_groups(const fs::path& folder, std::uint64_t 
     const CaseFile file = read_case_file(path);
     std::string group = file.dataset.empty() ? (folder / "").parent_path().filename().string() : file.dataset;
     if (!file.sequence.empty()) group += " " + file.sequence;
+    std::string digest = digest_of(recorded);
     groups[group].cases.push_back({.name = recorded.filename().string(),
                                    .noise_bound = file.noise_bound,
                                    .seed = seed,
                                    .limits = limits_of(file, path, preset),
-                                   .load = [recorded, bound = file.noise_bound] {
-                                     return synth::read_problem(recorded / kCorrespondences, recorded / kPose, bound);
+                                   .digest = digest,
+                                   .load = [recorded, bound = file.noise_bound, digest = std::move(digest)] {
+                                     return load(recorded, bound, digest);
                                    }});
   }
   std::vector<CaseGroup> result;

@@ -1,13 +1,19 @@
 #include <consimd/studies/comparison_folder.hpp>
 
+#include <map>
 #include <stdexcept>
+#include <string>
 #include <utility>
 
 #include <fmt/format.h>
 
+#include <consimd/synth/text_file.hpp>
+
+#include <consimd/studies/method.hpp>
 #include <consimd/studies/paper_tables.hpp>
 #include <consimd/studies/replace_file.hpp>
 #include "files/csv_file.hpp"
+#include "files/digest.hpp"
 #include "provenance/run_json.hpp"
 
 namespace consimd::studies {
@@ -26,13 +32,83 @@ Json options_json(const ComparisonFacts& facts) {
   return json;
 }
 
+/// What the cases were read from, by their names.
+Json digests_json(const CaseGroup& group) {
+  Json digests = Json::object();
+  for (const Case& one : group.cases) {
+    if (!one.digest.empty()) digests[one.name] = one.digest;
+  }
+  return digests;
+}
+
+/// Hashes of the values of all options of the methods that are solvers.
+Json solver_options_json(const Comparison& comparison) {
+  Json digests = Json::object();
+  for (const CaseGroup& group : comparison.groups()) {
+    for (const std::string& method : group.methods) {
+      const std::string values = option_values(method);
+      if (values.empty()) continue;
+      Digest digest;
+      digest.add(values);
+      digests[method] = digest.text();
+    }
+  }
+  return digests;
+}
+
+/// The object that `json` has as `key`, an empty one where it has none.
+Json object_at(const Json& json, const char* key) {
+  const auto found = json.find(key);
+  return found != json.end() && found->is_object() ? *found : Json::object();
+}
+
+std::string case_difference(const Json& there, const CaseGroup& group) {
+  const Json here = digests_json(group);
+  for (const auto& [name, digest] : here.items()) {
+    const auto found = there.find(name);
+    if (found == there.end()) return fmt::format("case {} of {} is new", name, group.name);
+    if (*found != digest) return fmt::format("case {} of {} has changed", name, group.name);
+  }
+  for (const auto& [name, digest] : there.items()) {
+    if (!here.contains(name)) return fmt::format("case {} of {} is gone", name, group.name);
+  }
+  return {};
+}
+
+/// The first case or method of `comparison` that is not what it was when `text`, that of its summary, was written.
+std::string data_difference(std::string_view text, const Comparison& comparison) {
+  const Json summary = parse_json(text);
+  std::map<std::string, Json> digests;
+  const auto data = summary.find("data");
+  for (const Json& group : data != summary.end() ? *data : Json::array()) {
+    if (group.is_object() && group.contains("group") && group["group"].is_string()) {
+      digests[group["group"].get<std::string>()] = object_at(group, "digests");
+    }
+  }
+  for (const CaseGroup& group : comparison.groups()) {
+    const auto there = digests.find(group.name);
+    const Json none = Json::object();
+    if (std::string what = case_difference(there == digests.end() ? none : there->second, group); !what.empty()) {
+      return what;
+    }
+  }
+  const Json options = object_at(summary, "solver_options");
+  const Json here = solver_options_json(comparison);
+  for (const auto& [method, digest] : here.items()) {
+    if (options.value(method, Json()) != digest) return fmt::format("{} had other options", method);
+  }
+  return {};
+}
+
 std::string summary(const Comparison& comparison, const ComparisonFacts& facts) {
   Json json = environment_json(facts.isa, facts.threads);
   json["options"] = options_json(facts);
   json["data"] = Json::array();
   for (const CaseGroup& group : comparison.groups()) {
     json["data"].push_back({{"group", group.name}, {"provenance", group.provenance}, {"cases", group.cases.size()}});
+    if (Json digests = digests_json(group); !digests.empty()) json["data"].back()["digests"] = std::move(digests);
   }
+  json["solver_options"] = solver_options_json(comparison);
   json["runs_total"] = comparison.size();
   json["runs_done"] = comparison.filled();
   json["complete"] = comparison.complete();
@@ -76,7 +152,9 @@ void ComparisonFolder::resume(Comparison& comparison, const ComparisonFacts& fac
   }
   std::string other;
   try {
-    other = difference(read_text(folder_ / kSummary), options_json(facts));
+    const std::string text = synth::read_text(folder_ / kSummary);
+    other = difference(text, options_json(facts));
+    if (other.empty()) other = data_difference(text, comparison);
   } catch (const std::invalid_argument& error) {
     throw std::runtime_error(fmt::format("{}: {}; {}", (folder_ / kSummary).string(), error.what(), kRemedy));
   }

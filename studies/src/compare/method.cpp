@@ -12,6 +12,7 @@
 
 #include <consimd/solvers/one_point_ransac.hpp>
 #include <consimd/solvers/ransac.hpp>
+#include <consimd/solvers/registry.hpp>
 #include <consimd/solvers/sa_cauchy_irls.hpp>
 #include <consimd/solvers/solver.hpp>
 #include <consimd/solvers/three_point_ransac.hpp>
@@ -118,6 +119,19 @@ Outcome run_method(std::string_view name, const Correspondences& correspondences
     name.remove_prefix(kScalePrefix.size());
   }
   return outcome_of(register_by_name(name, correspondences, options));
+}
+
+std::string option_values(std::string_view name) {
+  if (plain_ransac_iterations(name) || stages_of(name)) return {};
+  for (const std::string_view prefix : {kFilterPrefix, kScalePrefix}) {
+    if (name.starts_with(prefix)) name.remove_prefix(prefix.size());
+  }
+  const SolverChoice choice(name);
+  std::string values;
+  for (const SolverOption& option : choice.solver().options) {
+    values += fmt::format("{}={}\n", option.name, to_string(choice.value(option.name)));
+  }
+  return values;
 }
 
 std::string after_filter(std::string_view solver) { return fmt::format("{}{}", kFilterPrefix, solver); }

@@ -38,18 +38,19 @@ int run(std::vector<std::string> command, bool show_errors) {
 
 std::string interpreter() {
   std::vector<std::string> candidates = {"python3", "/usr/bin/python3"};
-  if (const char* chosen = std::getenv("CONSIMD_PYTHON")) candidates.insert(candidates.begin(), chosen);
+  if (const char* chosen = std::getenv("CONSIMD_PYTHON")) candidates = {chosen};
   for (const std::string& candidate : candidates) {
-    if (run({candidate, "-c", "import matplotlib"}, false) == 0) return candidate;
+    if (run({candidate, "-I", "-c", "import matplotlib"}, false) == 0) return candidate;
   }
   throw std::runtime_error(
       "no Python with matplotlib found: install python3-matplotlib (Debian, Ubuntu) or set CONSIMD_PYTHON to one");
 }
 
 fs::path path_of(const fs::path& script, const fs::path& program) {
-  if (const char* chosen = std::getenv("CONSIMD_PLOT_SCRIPT")) return chosen;
+  if (const char* chosen = std::getenv("CONSIMD_PLOT_SCRIPT")) return fs::absolute(chosen);
   const fs::path installed = program.parent_path() / "../share/consimd" / script.filename();
-  return fs::exists(installed) ? installed : CONSIMD_PLOT_SCRIPTS / script;
+  // A program that does not know where it is must not look in the current folder.
+  return program.is_absolute() && fs::exists(installed) ? installed : CONSIMD_PLOT_SCRIPTS / script;
 }
 
 }  // namespace
@@ -58,7 +59,7 @@ void draw_figures(std::string_view script, const fs::path& folder, const fs::pat
   const fs::path path = path_of(script, program);
   if (!fs::exists(path)) throw std::runtime_error(fmt::format("the plotting script {} is missing", path.string()));
   const std::string python = interpreter();
-  if (const int status = run({python, "-B", path.string(), folder.string()}, true); status != 0) {
+  if (const int status = run({python, "-I", "-B", path.string(), folder.string()}, true); status != 0) {
     throw std::runtime_error(
         fmt::format("'{} {} {}' failed with exit status {}", python, path.string(), folder.string(), status));
   }

@@ -8,7 +8,7 @@ import csv
 import sys
 from pathlib import Path
 
-sys.path.insert(0, str(Path(__file__).resolve().parent.parent / "study"))
+sys.path.insert(0, str(Path(__file__).resolve().parent))  # where an isolated interpreter does not look by itself
 from figure_style import COLUMN_WIDTH, STYLE, plt, save  # noqa: E402
 from matplotlib.patches import Patch  # noqa: E402
 from plot_sweep import COLOURS  # noqa: E402

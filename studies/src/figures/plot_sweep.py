@@ -8,10 +8,11 @@ import csv
 import sys
 from pathlib import Path
 
-from figure_style import COLUMN_WIDTH, PAGE_WIDTH, STYLE, plt, save
-from matplotlib.lines import Line2D
-from matplotlib.patches import Patch
-from plot_map import draw_map
+sys.path.insert(0, str(Path(__file__).resolve().parent))  # where an isolated interpreter does not look by itself
+from figure_style import COLUMN_WIDTH, PAGE_WIDTH, STYLE, plt, save  # noqa: E402
+from matplotlib.lines import Line2D  # noqa: E402
+from matplotlib.patches import Patch  # noqa: E402
+from plot_map import draw_map  # noqa: E402
 
 # Okabe and Ito's colours, told apart with any colour vision; the markers tell the lines apart in greyscale.
 COLOURS = ["#0072B2", "#E69F00", "#009E73", "#D55E00", "#CC79A7", "#56B4E9", "#000000"]

@@ -3,13 +3,9 @@
 
 #include <filesystem>
 #include <functional>
-#include <string>
 #include <string_view>
 
 namespace consimd::studies {
-
-/// All of a file. Throws std::runtime_error that names it.
-[[nodiscard]] std::string read_text(const std::filesystem::path& path);
 
 /// Calls `take` with every line of `text` but the first, which must be `columns`. A std::invalid_argument that it
 /// throws of a bad row comes out as a std::runtime_error that names the file, the line and --fresh as the remedy.

@@ -22,9 +22,9 @@ class CsvFields {
 
   void take(std::string& value) { value = text(); }
   void take(bool& value) {
-    int number = 0;
-    take(number);
-    value = number != 0;
+    const std::string_view field = text();
+    if (field != "0" && field != "1") throw std::invalid_argument(fmt::format("expected 0 or 1, got '{}'", field));
+    value = field == "1";
   }
   template <typename Number>
   void take(Number& value) {

@@ -1,6 +1,5 @@
 #include <consimd/studies/replace_file.hpp>
 
-#include <unistd.h>
 #include <cerrno>
 #include <fstream>
 #include <stdexcept>
@@ -8,6 +7,8 @@
 #include <system_error>
 
 #include <fmt/format.h>
+
+#include <consimd/synth/pending_file.hpp>
 
 namespace consimd::studies {
 namespace fs = std::filesystem;
@@ -17,7 +18,7 @@ namespace {
   throw std::runtime_error(fmt::format("{}: cannot write: {}", path.string(), std::generic_category().message(error)));
 }
 
-void write(const fs::path& path, std::string_view content) {
+void write_in_place(const fs::path& path, std::string_view content) {
   errno = 0;
   std::ofstream file(path, std::ios::binary | std::ios::trunc);
   file.write(content.data(), static_cast<std::streamsize>(content.size()));
@@ -41,48 +42,31 @@ Target resolve(const fs::path& path) {
   return {error ? path : real, false};
 }
 
-/// A name beside `path` that no other process uses.
-fs::path neighbour(const fs::path& path) {
-  return path.parent_path() / fmt::format(".{}.{}.part", path.filename().string(), getpid());
-}
-
-/// Makes and removes a file.
+/// Makes and removes a file in the folder of `path`, whose name an error tells, and with it what killed processes left.
 void probe(const fs::path& path) {
-  write(path, {});
-  fs::remove(path);
+  const synth::PendingFile file(path, {});
+  synth::remove_abandoned_files(path.parent_path());
 }
 
 }  // namespace
 
 void replace_file(const fs::path& path, std::string_view content) {
   const Target target = resolve(path);
-  if (target.in_place) return write(target.path, content);
-  const fs::path part = neighbour(target.path);
-  std::error_code error;
-  try {
-    write(part, content);
-    fs::rename(part, target.path, error);
-  } catch (const std::runtime_error&) {
-    fs::remove(part, error);
-    throw;
-  }
-  if (error) {
-    std::error_code ignored;
-    fs::remove(part, ignored);
-    fail(path, error.value());
-  }
+  if (target.in_place) return write_in_place(target.path, content);
+  synth::PendingFile file(target.path, content);
+  file.commit();
 }
 
 void require_replaceable(const fs::path& path) {
   const Target target = resolve(path);
-  if (!target.in_place) probe(neighbour(target.path));
+  if (!target.in_place) probe(target.path);
 }
 
 void require_writable_folder(const fs::path& folder) {
   std::error_code error;
   fs::create_directories(folder, error);
   if (error) fail(folder, error.value());
-  probe(folder / fmt::format(".consimd.{}.part", getpid()));
+  probe(folder / "");
 }
 
 }  // namespace consimd::studies

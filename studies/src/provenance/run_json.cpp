@@ -59,7 +59,7 @@ std::string summary_text(const Json& summary) {
 }
 
 std::string difference(std::string_view summary, const Json& options) {
-  const Json found = Json::parse(summary, nullptr, false);
+  const Json found = parse_json(summary);
   if (!found.is_object() || !found.contains("options")) throw std::invalid_argument("not the summary of a study");
   const std::string of_options = first_difference(found["options"], options);
   return of_options.empty() ? first_difference(found, build_json()) : of_options;

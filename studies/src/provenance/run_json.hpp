@@ -4,12 +4,9 @@
 #include <string>
 #include <string_view>
 
-#include <nlohmann/json.hpp>
+#include "files/json_text.hpp"
 
 namespace consimd::studies {
-
-/// Keeps the order of its keys.
-using Json = nlohmann::ordered_json;
 
 /// Build, machine, instruction set and threads.
 [[nodiscard]] Json environment_json(std::string_view isa, int threads);

@@ -2,17 +2,12 @@
 
 #include <algorithm>
 #include <span>
+#include <utility>
 
 #include "files/csv_rows.hpp"
 
 namespace consimd::studies {
 namespace {
-
-double median_seconds(std::span<const TrialRecord> trials) {
-  std::vector<double> seconds;
-  for (const TrialRecord& trial : trials) seconds.push_back(trial.seconds);
-  return median(std::move(seconds));
-}
 
 CellSummary summarise(std::span<const TrialRecord> trials) {
   CellSummary cell{.solver = trials.front().solver,
@@ -34,11 +29,13 @@ CellSummary summarise(std::span<const TrialRecord> trials) {
   }
   cell.recall = static_cast<double>(successes) / count;
   cell.recall_interval = wilson_interval(successes, trials.size());
-  cell.seconds_median = median_seconds(trials);
+  std::vector<double> seconds;
+  for (const TrialRecord& trial : trials) seconds.push_back(trial.seconds);
+  cell.seconds_median = median(std::move(seconds));
   return cell;
 }
 
-RatioSummary summarise(std::span<const CellSummary> cells, std::span<const TrialRecord> trials) {
+RatioSummary summarise(std::span<const CellSummary> cells, std::vector<double> seconds) {
   RatioSummary row{.solver = cells.front().solver, .outlier_ratio = cells.front().outlier_ratio, .recall_min = 1.0};
   const auto count = static_cast<double>(cells.size());
   for (const CellSummary& cell : cells) {
@@ -53,7 +50,7 @@ RatioSummary summarise(std::span<const CellSummary> cells, std::span<const Trial
     row.worst_ratio.translation =
         std::max(row.worst_ratio.translation, cell.error.translation / cell.oracle_error.translation);
   }
-  row.seconds_median = median_seconds(trials);
+  row.seconds_median = median(std::move(seconds));
   return row;
 }
 
@@ -61,25 +58,37 @@ RatioSummary summarise(std::span<const CellSummary> cells, std::span<const Trial
 
 std::string to_csv_row(const CellSummary& cell) { return csv_row(kCellColumns, cell); }
 
-std::vector<CellSummary> summarise_cells(const TrialTable& table) {
-  std::vector<CellSummary> cells;
-  for (std::size_t cell = 0; cell < table.options().cells(); ++cell) cells.push_back(summarise(table.cell(cell)));
-  return cells;
+void StudySummary::add(const TrialRecord& record) {
+  open_.push_back(record);
+  seconds_.push_back(record.seconds);
+  if (open_.size() < trials_) return;
+  cells_.push_back(summarise(open_));
+  open_.clear();
+  if (cells_.size() % levels_ != 0) return;
+  rows_.push_back(summarise(std::span(cells_).last(levels_), std::exchange(seconds_, {})));
 }
 
-std::vector<RatioSummary> summarise_ratios(const TrialTable& table) {
-  const SweepOptions& options = table.options();
-  const std::vector<CellSummary> cells = summarise_cells(table);
-  const std::size_t levels = options.sigmas.size();
-  std::vector<RatioSummary> rows;
-  for (std::size_t ratio = 0; ratio < options.outlier_ratios.size(); ++ratio) {
-    for (std::size_t solver = 0; solver < options.solvers.size(); ++solver) {
-      const std::size_t first = (solver * options.outlier_ratios.size() + ratio) * levels;
-      rows.push_back(summarise(std::span(cells).subspan(first, levels),
-                               table.records().subspan(first * options.trials, levels * options.trials)));
-    }
+std::vector<RatioSummary> StudySummary::ratios() const {
+  const std::size_t ratios = rows_.size() / solvers_;
+  std::vector<RatioSummary> ordered;
+  for (std::size_t ratio = 0; ratio < ratios; ++ratio) {
+    for (std::size_t solver = 0; solver < solvers_; ++solver) ordered.push_back(rows_[solver * ratios + ratio]);
   }
-  return rows;
+  return ordered;
 }
+
+namespace {
+
+StudySummary summarise(const TrialTable& table) {
+  StudySummary summary(table.options());
+  table.for_each([&](const TrialRecord& record) { summary.add(record); });
+  return summary;
+}
+
+}  // namespace
+
+std::vector<CellSummary> summarise_cells(const TrialTable& table) { return summarise(table).cells(); }
+
+std::vector<RatioSummary> summarise_ratios(const TrialTable& table) { return summarise(table).ratios(); }
 
 }  // namespace consimd::studies

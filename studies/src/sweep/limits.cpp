@@ -15,6 +15,7 @@
 #include <consimd/synth/noise_study.hpp>
 
 #include "files/csv_rows.hpp"
+#include "files/row_checks.hpp"
 
 namespace consimd::studies {
 namespace {
@@ -60,7 +61,13 @@ ChanceProblem run_problem(const SweepOptions& options, double sigma, std::uint32
 
 std::string to_csv_row(const LimitRecord& record) { return csv_row(kLimitColumns, record); }
 
-LimitRecord parse_limit_row(std::string_view line) { return parse_csv_row<LimitRecord>(kLimitColumns, line); }
+LimitRecord parse_limit_row(std::string_view line) {
+  const LimitRecord record = parse_csv_row<LimitRecord>(kLimitColumns, line);
+  require_column(is_size(record.chance_support_mean), "chance_support_mean", record.chance_support_mean);
+  require_column(is_size(record.fixed_support_mean), "fixed_support_mean", record.fixed_support_mean);
+  require_column(is_share(record.limit_outlier_ratio), "limit_outlier_ratio", record.limit_outlier_ratio);
+  return record;
+}
 
 double limit_outlier_ratio(std::size_t points, double chance_support, double fixed_support) {
   const auto n = static_cast<double>(points);

@@ -1,13 +1,18 @@
 #include <consimd/studies/shard_merge.hpp>
 
 #include <algorithm>
+#include <functional>
+#include <map>
 #include <optional>
+#include <set>
 #include <stdexcept>
 #include <string_view>
 #include <utility>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
+
+#include <consimd/synth/text_file.hpp>
 
 #include <consimd/studies/shard.hpp>
 #include <consimd/studies/study_folder.hpp>
@@ -28,7 +33,7 @@ struct ShardFolder {
 template <typename Read>
 auto read_summary(const fs::path& folder, const Read& read) {
   try {
-    return read(read_text(folder / kSummaryFile));
+    return read(synth::read_text(folder / kSummaryFile));
   } catch (const std::invalid_argument& error) {
     throw std::runtime_error(fmt::format("{}: {}", (folder / kSummaryFile).string(), error.what()));
   }
@@ -81,18 +86,15 @@ void require_one_study(const std::vector<ShardFolder>& shards, const SweepOption
 /// The rows of a table that a process may be writing.
 void for_each_row_so_far(const fs::path& path, std::string_view columns,
                          const std::function<void(std::string_view)>& take) {
-  const std::string text = read_text(path);
+  const std::string text = synth::read_text(path);
   for_each_row(path, std::string_view(text).substr(0, text.rfind('\n') + 1), columns, take);
 }
 
-/// The trials of a shard.
-TrialTable read_trials(const ShardFolder& shard, const SweepOptions& options) {
-  TrialTable table(options, shard.shard);
-  if (fs::exists(shard.path / kTrialsFile)) {
-    for_each_row_so_far(shard.path / kTrialsFile, csv_header(kTrialColumns),
-                        [&](std::string_view line) { table.put(parse_trial_row(line)); });
-  }
-  return table;
+/// Calls `take` with the trials of a shard.
+void for_each_trial(const ShardFolder& shard, const std::function<void(TrialRecord)>& take) {
+  if (!fs::exists(shard.path / kTrialsFile)) return;
+  for_each_row_so_far(shard.path / kTrialsFile, csv_header(kTrialColumns),
+                      [&](std::string_view line) { take(parse_trial_row(line)); });
 }
 
 /// "missing: 2/4, 3/4; unfinished: 1/4 in DIR (12 of 75 trials)"
@@ -114,21 +116,24 @@ std::string gaps(const std::vector<ShardFolder>& shards, const std::vector<std::
 }
 
 TrialTable merge_trials(const std::vector<ShardFolder>& shards, const SweepOptions& options) {
-  TrialTable merged(options);
   std::vector<std::string> unfinished;
   for (const ShardFolder& shard : shards) {
-    const TrialTable part = read_trials(shard, options);
+    TrialTable part(options, shard.shard, TrialTable::Keep::marks);
+    for_each_trial(shard, [&](TrialRecord record) { part.put(std::move(record)); });
     if (!part.complete()) {
       unfinished.push_back(fmt::format("{} in {} ({} of {} trials)", to_string(shard.shard), shard.path.string(),
                                        part.filled(), part.size()));
     }
-    part.for_each([&](const TrialRecord& record) { merged.put(record); });
   }
   if (const std::string what = gaps(shards, unfinished); !what.empty()) {
     throw std::runtime_error(
         fmt::format("not all shards are done: {}; 'consimd sweep' with the options of the study "
                     "and --shard runs or resumes them",
                     what));
+  }
+  TrialTable merged(options);
+  for (const ShardFolder& shard : shards) {
+    for_each_trial(shard, [&](TrialRecord record) { merged.put(std::move(record)); });
   }
   return merged;
 }
@@ -137,11 +142,12 @@ std::vector<LimitRecord> merge_limits(const std::vector<ShardFolder>& shards, co
   std::vector<LimitRecord> found;
   std::vector<std::string> without;
   for (const ShardFolder& shard : shards) {
-    std::vector<double> levels = limit_levels(options, shard.shard);
+    const std::vector<double> of_shard = limit_levels(options, shard.shard);
+    std::set<double> levels(of_shard.begin(), of_shard.end());
     if (const fs::path path = shard.path / kLimitsFile; fs::exists(path)) {
       for_each_row_so_far(path, csv_header(kLimitColumns), [&](std::string_view line) {
         const LimitRecord limit = parse_limit_row(line);
-        if (limit.problems != kLimitProblems || std::erase(levels, limit.sigma) != 1) {
+        if (limit.problems != kLimitProblems || levels.erase(limit.sigma) != 1) {
           throw std::invalid_argument(fmt::format("noise level {} with {} problems is not of shard {}", limit.sigma,
                                                   limit.problems, to_string(shard.shard)));
         }
@@ -154,8 +160,9 @@ std::vector<LimitRecord> merge_limits(const std::vector<ShardFolder>& shards, co
     throw std::runtime_error(fmt::format("the limits of {} are not all there: run {} with --map",
                                          without.size() == 1 ? "a shard" : "some shards", fmt::join(without, ", ")));
   }
-  std::ranges::sort(found, {},
-                    [&](const LimitRecord& limit) { return std::ranges::find(options.sigmas, limit.sigma); });
+  std::map<double, std::size_t> places;
+  for (const double sigma : options.sigmas) places.emplace(sigma, places.size());
+  std::ranges::sort(found, {}, [&](const LimitRecord& limit) { return places.at(limit.sigma); });
   return found;
 }
 

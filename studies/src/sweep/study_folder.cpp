@@ -1,6 +1,5 @@
 #include <consimd/studies/study_folder.hpp>
 
-#include <algorithm>
 #include <stdexcept>
 #include <string>
 #include <string_view>
@@ -8,9 +7,12 @@
 
 #include <fmt/format.h>
 
-#include <consimd/studies/cell_summary.hpp>
+#include <consimd/synth/pending_file.hpp>
+#include <consimd/synth/text_file.hpp>
+
 #include <consimd/studies/replace_file.hpp>
 #include "files/csv_file.hpp"
+#include "sweep/trial_sorting.hpp"
 
 namespace consimd::studies {
 namespace fs = std::filesystem;
@@ -38,7 +40,7 @@ void require_same_study(const fs::path& folder, const TrialTable& table) {
   }
   std::string other;
   try {
-    other = difference(read_text(folder / kSummaryFile), table);
+    other = difference(synth::read_text(folder / kSummaryFile), table);
   } catch (const std::invalid_argument& error) {
     throw std::runtime_error(fmt::format("{}: {}; {}", (folder / kSummaryFile).string(), error.what(), kRemedy));
   }
@@ -47,15 +49,31 @@ void require_same_study(const fs::path& folder, const TrialTable& table) {
   }
 }
 
-void write_tables(const fs::path& folder, const TrialTable& table) {
-  std::string trials = csv_header(kTrialColumns) + "\n";
-  table.for_each([&](const TrialRecord& record) { trials += to_csv_row(record); });
-  replace_file(folder / kTrialsFile, trials);
+/// Writes trials.csv and, unless it is that of a shard, cells.csv of what `for_each(take)` gives in order.
+template <typename ForEach>
+StudySummary write_tables(const fs::path& folder, const TrialTable& table, const ForEach& for_each) {
+  constexpr std::size_t kBuffer = std::size_t{1} << 20U;
+  StudySummary summary(table.options());
+  synth::PendingFile file(folder / kTrialsFile, csv_header(kTrialColumns) + "\n");
+  std::string rows;
+  for_each([&](const TrialRecord& record) {
+    rows += to_csv_row(record);
+    if (rows.size() >= kBuffer) file.append(std::exchange(rows, {}));
+    if (!table.shard()) summary.add(record);
+  });
+  file.append(rows);
+  file.commit();
 
-  if (table.shard()) return;
+  if (table.shard()) return summary;
   std::string cells = csv_header(kCellColumns) + "\n";
-  for (const CellSummary& cell : summarise_cells(table)) cells += to_csv_row(cell);
+  for (const CellSummary& cell : summary.cells()) cells += to_csv_row(cell);
   replace_file(folder / kCellsFile, cells);
+  return summary;
+}
+
+void append_row(std::ofstream& file, const std::string& row, const fs::path& path) {
+  file << row << std::flush;
+  if (!file) throw std::runtime_error(fmt::format("{}: cannot write", path.string()));
 }
 
 void write_limits(const fs::path& folder, const std::vector<LimitRecord>& limits) {
@@ -89,25 +107,25 @@ void StudyFolder::read_trials(TrialTable& table) {
                      [&](std::string_view line) { table.put(parse_trial_row(line)); });
 }
 
-void StudyFolder::append(const TrialRecord& record) {
-  trials_ << to_csv_row(record) << std::flush;
-  if (!trials_) throw std::runtime_error(fmt::format("{}: cannot write", (folder_ / kTrialsFile).string()));
-}
+void StudyFolder::append(const TrialRecord& record) { append_row(trials_, to_csv_row(record), folder_ / kTrialsFile); }
 
-void StudyFolder::finish(const TrialTable& table, RunFacts facts) {
+StudySummary StudyFolder::finish(const TrialTable& table, RunFacts facts) {
   trials_.close();
-  write_tables(folder_, table);
+  StudySummary summary =
+      write_tables(folder_, table, [&](const auto& take) { for_each_sorted(folder_ / kTrialsFile, table, take); });
   facts.complete = true;
   replace_file(folder_ / kSummaryFile, summary_json(table, facts));
+  return summary;
 }
 
 void StudyFolder::read_limits(const TrialTable& table) {
   const fs::path path = folder_ / kLimitsFile;
-  const std::vector<double> levels = limit_levels(table.options(), table.shard());
-  for_each_row(path, read_text(path), csv_header(kLimitColumns), [&](std::string_view line) {
+  const std::vector<double> of_study = limit_levels(table.options(), table.shard());
+  const std::set<double> levels(of_study.begin(), of_study.end());
+  for_each_whole_row(path, csv_header(kLimitColumns), [&](std::string_view line) {
     const LimitRecord limit = parse_limit_row(line);
-    if (limit.problems != kLimitProblems || std::ranges::count(levels, limit.sigma) == 0 ||
-        std::ranges::count(limits_, limit.sigma, &LimitRecord::sigma) != 0) {
+    if (limit.problems != kLimitProblems || !levels.contains(limit.sigma) ||
+        !limit_levels_.insert(limit.sigma).second) {
       throw std::invalid_argument(
           fmt::format("noise level {} with {} problems is not of this study", limit.sigma, limit.problems));
     }
@@ -116,8 +134,11 @@ void StudyFolder::read_limits(const TrialTable& table) {
 }
 
 void StudyFolder::append(const LimitRecord& limit) {
+  if (limits_.empty()) write_limits(folder_, {});
+  if (!limits_file_.is_open()) limits_file_.open(folder_ / kLimitsFile, std::ios::binary | std::ios::app);
   limits_.push_back(limit);
-  write_limits(folder_, limits_);
+  limit_levels_.insert(limit.sigma);
+  append_row(limits_file_, to_csv_row(limit), folder_ / kLimitsFile);
 }
 
 void write_study(const fs::path& folder, const TrialTable& table, const std::vector<LimitRecord>& limits,
@@ -126,7 +147,9 @@ void write_study(const fs::path& folder, const TrialTable& table, const std::vec
   const FolderLock lock(folder);
   if (fresh) remove_study(folder);
   if (holds_study(folder)) require_same_study(folder, table);
-  write_tables(folder, table);
+  // A table without a summary is nobody's study: whoever is stopped on the way leaves one that can be taken up.
+  replace_file(folder / kSummaryFile, unfinished_summary(summary));
+  write_tables(folder, table, [&](const auto& take) { table.for_each(take); });
   if (!limits.empty()) write_limits(folder, limits);
   replace_file(folder / kSummaryFile, summary);
 }

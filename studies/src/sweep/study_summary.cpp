@@ -1,6 +1,8 @@
 #include <consimd/studies/study_summary.hpp>
 
 #include <algorithm>
+#include <cstdint>
+#include <limits>
 #include <stdexcept>
 
 #include <fmt/format.h>
@@ -29,9 +31,19 @@ std::string with_study(Json summary, const TrialTable& table, bool complete) {
 }
 
 Json parse(std::string_view summary) {
-  Json json = Json::parse(summary, nullptr, false);
+  Json json = parse_json(summary);
   if (!json.is_object() || !json.contains("options")) throw std::invalid_argument("not the summary of a study");
   return json;
+}
+
+/// A whole number that a 32-bit or 64-bit option can hold: JSON would convert any other without a word.
+template <typename Number>
+void read_whole_number(const Json& options, const char* key, Number& number) {
+  const Json& value = options.at(key);
+  if (!value.is_number_unsigned() || value.get<std::uint64_t>() > std::numeric_limits<Number>::max()) {
+    throw std::invalid_argument(fmt::format("not the summary of a study: bad {}", key));
+  }
+  number = value.get<Number>();
 }
 
 std::string shown(const std::optional<Shard>& shard) {
@@ -57,6 +69,12 @@ std::string merged_summary_json(const TrialTable& table, std::span<const std::st
   return with_study(std::move(merged), table, table.complete());
 }
 
+std::string unfinished_summary(std::string_view summary) {
+  Json json = parse(summary);
+  json["complete"] = false;
+  return summary_text(json);
+}
+
 std::string difference(std::string_view summary, const TrialTable& table) {
   std::string other = difference_but_shard(summary, table.options());
   if (!other.empty()) return other;
@@ -73,13 +91,13 @@ SweepOptions options_of(std::string_view summary) {
   SweepOptions options;
   try {
     const Json& there = json["options"];
-    there.at("points").get_to(options.points);
+    read_whole_number(there, "points", options.points);
     there.at("outliers").get_to(options.outlier_ratios);
     there.at("sigma").get_to(options.sigmas);
-    there.at("trials").get_to(options.trials);
+    read_whole_number(there, "trials", options.trials);
     there.at("solver").get_to(options.solvers);
     options.filter = filter_by_name(there.at("filter").get<std::string>());
-    there.at("seed").get_to(options.seed);
+    read_whole_number(there, "seed", options.seed);
   } catch (const Json::exception& error) {
     throw std::invalid_argument(fmt::format("not the summary of a study: {}", error.what()));
   }

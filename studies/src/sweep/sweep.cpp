@@ -1,7 +1,7 @@
 #include <consimd/studies/sweep.hpp>
 
-#include <atomic>
 #include <mutex>
+#include <optional>
 #include <utility>
 
 #include <tbb/parallel_for.h>
@@ -22,23 +22,37 @@ struct Job {
   std::vector<std::string> solvers;
 };
 
-std::vector<Job> missing_jobs(const TrialTable& table) {
-  const SweepOptions& options = table.options();
-  std::vector<Job> jobs;
-  for (std::uint32_t trial = 0; trial < options.trials; ++trial) {
-    for (std::size_t ratio = 0; ratio < options.outlier_ratios.size(); ++ratio) {
-      for (std::size_t sigma = 0; sigma < options.sigmas.size(); ++sigma) {
-        if (!table.wants(ratio, sigma, trial)) continue;
-        Job job{options.outlier_ratios[ratio], options.sigmas[sigma], trial, {}};
-        for (std::size_t solver = 0; solver < options.solvers.size(); ++solver) {
-          if (!table.has(solver, ratio, sigma, trial)) job.solvers.push_back(options.solvers[solver]);
-        }
-        if (!job.solvers.empty()) jobs.push_back(std::move(job));
+/// The problems of a table that have yet to be run, in rounds of one trial of every cell.
+class MissingProblems {
+ public:
+  explicit MissingProblems(const TrialTable& table)
+      : table_(table), problems_(table.slots() / table.options().solvers.size()) {}
+
+  /// The next one; none if there are no more. The table must not be filled meanwhile.
+  std::optional<Job> next() {
+    const SweepOptions& options = table_.options();
+    const std::size_t levels = options.sigmas.size();
+    for (; position_ < problems_; ++position_) {
+      const std::size_t cell = position_ % (problems_ / options.trials);
+      const auto trial = static_cast<std::uint32_t>(position_ / (problems_ / options.trials));
+      const std::size_t ratio = cell / levels, sigma = cell % levels;
+      if (!table_.wants(ratio, sigma, trial)) continue;
+      Job job{options.outlier_ratios[ratio], options.sigmas[sigma], trial, {}};
+      for (std::size_t solver = 0; solver < options.solvers.size(); ++solver) {
+        if (!table_.has(solver, ratio, sigma, trial)) job.solvers.push_back(options.solvers[solver]);
       }
+      if (job.solvers.empty()) continue;
+      ++position_;
+      return job;
     }
+    return std::nullopt;
   }
-  return jobs;
-}
+
+ private:
+  const TrialTable& table_;
+  std::size_t problems_;
+  std::size_t position_ = 0;
+};
 
 std::vector<TrialRecord> run_job(const Job& job, const SweepOptions& options) {
   const synth::Problem problem = synth::noise_study_problem({.correspondences = options.points,
@@ -81,16 +95,21 @@ std::vector<TrialRecord> run_job(const Job& job, const SweepOptions& options) {
 }  // namespace
 
 void run_sweep(TrialTable& table, const SweepControl& control) {
-  const std::vector<Job> jobs = missing_jobs(table);
-  std::atomic<std::size_t> next = 0;
-  std::mutex filing;
-  tbb::parallel_for(std::size_t{0}, jobs.size(), [&](std::size_t) {
+  MissingProblems missing(table);
+  std::mutex filing;                                       // of the table, and of what is missing in it
+  const std::size_t most = table.size() - table.filled();  // problems: each has a trial or more
+  tbb::parallel_for(std::size_t{0}, most, [&](std::size_t) {
     if (control.stop_requested && control.stop_requested()) return;
-    // A ticket, not the loop's index: the loop hands out indices from several ends at once.
-    const Job& job = jobs[next.fetch_add(1)];
+    // The next in turn, not that of the loop's index: the loop hands out indices from several ends at once.
+    std::optional<Job> job;
+    {
+      const std::lock_guard lock(filing);
+      job = missing.next();
+    }
+    if (!job) return;
     // Isolated: a thread that waits inside a solver must not pick up another problem, whose time would count as this
     // one's.
-    std::vector<TrialRecord> records = tbb::this_task_arena::isolate([&] { return run_job(job, table.options()); });
+    std::vector<TrialRecord> records = tbb::this_task_arena::isolate([&] { return run_job(*job, table.options()); });
     const std::lock_guard lock(filing);
     for (TrialRecord& record : records) {
       if (control.on_trial) control.on_trial(record);

@@ -1,6 +1,5 @@
 #include <consimd/studies/trial_table.hpp>
 
-#include <algorithm>
 #include <stdexcept>
 #include <string_view>
 #include <utility>
@@ -10,11 +9,16 @@
 namespace consimd::studies {
 namespace {
 
-template <typename T>
-std::size_t position(const std::vector<T>& values, const T& value, std::string_view what) {
-  const auto found = std::find(values.begin(), values.end(), value);
-  if (found == values.end()) throw std::invalid_argument(fmt::format("{} {} is not of this study", what, value));
-  return static_cast<std::size_t>(found - values.begin());
+template <typename Places>
+void number(const auto& values, Places& places) {
+  for (const auto& value : values) places.emplace(value, places.size());
+}
+
+template <typename Places>
+std::size_t position(const Places& places, const typename Places::key_type& value, std::string_view what) {
+  const auto found = places.find(value);
+  if (found == places.end()) throw std::invalid_argument(fmt::format("{} {} is not of this study", what, value));
+  return found->second;
 }
 
 SweepOptions validated(SweepOptions options) {
@@ -26,27 +30,36 @@ SweepOptions validated(SweepOptions options) {
 
 }  // namespace
 
-TrialTable::TrialTable(SweepOptions options, std::optional<Shard> shard)
+TrialTable::TrialTable(SweepOptions options, std::optional<Shard> shard, Keep keep)
     : options_(validated(std::move(options))),
       shard_(shard),
       size_(options_.solvers.size() *
             (shard_ ? (problems() + shard_->count - shard_->index) / shard_->count : problems())),
-      records_(options_.cells() * options_.trials),
-      filled_(records_.size(), false) {}
+      records_(keep == Keep::records ? slots() : 0),
+      filled_(slots(), false) {
+  number(options_.outlier_ratios, ratios_);
+  number(options_.sigmas, sigmas_);
+  number(options_.solvers, solvers_);
+}
 
-void TrialTable::put(TrialRecord record) {
+std::size_t TrialTable::slot_of(const TrialRecord& record) const {
   if (record.trial >= options_.trials || record.seed != options_.seed + record.trial) {
     throw std::invalid_argument(fmt::format("trial {} with seed {} is not of this study", record.trial, record.seed));
   }
-  const std::size_t ratio = position(options_.outlier_ratios, record.outlier_ratio, "outlier ratio");
-  const std::size_t sigma = position(options_.sigmas, record.sigma, "noise level");
-  const std::size_t index = slot(position(options_.solvers, record.solver, "solver"), ratio, sigma, record.trial);
+  const std::size_t ratio = position(ratios_, record.outlier_ratio, "outlier ratio");
+  const std::size_t sigma = position(sigmas_, record.sigma, "noise level");
+  const std::size_t index = slot(position(solvers_, record.solver, "solver"), ratio, sigma, record.trial);
   if (!wants(ratio, sigma, record.trial)) {
     throw std::invalid_argument(fmt::format("trial {} at outlier ratio {} and noise level {} is not of shard {}",
                                             record.trial, record.outlier_ratio, record.sigma, to_string(*shard_)));
   }
+  return index;
+}
+
+void TrialTable::put(TrialRecord record) {
+  const std::size_t index = slot_of(record);
   if (filled_[index]) return;
-  records_[index] = std::move(record);
+  if (!records_.empty()) records_[index] = std::move(record);
   filled_[index] = true;
   ++filled_count_;
 }

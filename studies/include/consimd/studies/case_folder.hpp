@@ -36,8 +36,8 @@ struct CaseFile {
 /// target) and a case.json,
 /// see `CaseFile`. Limits are not needed with a `preset` that sets them (see success_limits.hpp); cases of one data set
 /// and sequence are one group. Rows within the noise bound of the true pose count as inliers. Groups and cases come in
-/// alphabetical order; cases are read when they are run. Throws std::runtime_error that names the file, on a folder
-/// without cases too.
+/// alphabetical order; cases are read when they are run, and it is an error if they have changed by then. Throws
+/// std::runtime_error that names the file, on a folder without cases too.
 [[nodiscard]] std::vector<CaseGroup> case_folder_groups(const std::filesystem::path& folder, std::uint64_t seed,
                                                         std::string_view preset);
 

@@ -25,6 +25,8 @@ struct Case {
   /// What counts as a success. None: the root mean square residual of the true inliers must be below the noise bound,
   /// the noise study's measure.
   std::optional<PoseLimits> limits = {};
+  /// Hash of the files that it is read from; empty where it is made.
+  std::string digest = {};
   /// The problem; is_inlier says which rows an outlier removal should keep. May throw what the data's reader throws.
   std::function<synth::Problem()> load = {};
 };

@@ -1,6 +1,7 @@
 // What a study reports of its trials: cells.csv, and one line per solver and outlier ratio.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <string>
 #include <string_view>
@@ -68,10 +69,32 @@ inline constexpr std::tuple kCellColumns{
 /// A line with its newline.
 [[nodiscard]] std::string to_csv_row(const CellSummary& cell);
 
-/// In the order of the table, which must be complete.
-[[nodiscard]] std::vector<CellSummary> summarise_cells(const TrialTable& table);
+/// Both, made of the records of a study one by one. Holds those of one cell, and all times of one outlier ratio.
+class StudySummary {
+ public:
+  explicit StudySummary(const SweepOptions& options)
+      : trials_(options.trials), levels_(options.sigmas.size()), solvers_(options.solvers.size()) {}
 
-/// Ordered by outlier ratio, then solver, so that solvers stand beside each other. The table must be complete.
+  /// Records must come in the order of the table, all of them.
+  void add(const TrialRecord& record);
+
+  /// In the order of the table.
+  [[nodiscard]] const std::vector<CellSummary>& cells() const noexcept { return cells_; }
+  /// Ordered by outlier ratio, then solver, so that solvers stand beside each other.
+  [[nodiscard]] std::vector<RatioSummary> ratios() const;
+
+ private:
+  std::size_t trials_;
+  std::size_t levels_;
+  std::size_t solvers_;
+  std::vector<TrialRecord> open_;  // of a cell
+  std::vector<double> seconds_;    // of an outlier ratio
+  std::vector<CellSummary> cells_;
+  std::vector<RatioSummary> rows_;  // in the order of the table
+};
+
+/// The same of a table that is complete and keeps records.
+[[nodiscard]] std::vector<CellSummary> summarise_cells(const TrialTable& table);
 [[nodiscard]] std::vector<RatioSummary> summarise_ratios(const TrialTable& table);
 
 }  // namespace consimd::studies

@@ -14,8 +14,9 @@ inline constexpr std::string_view kIterationsScript = "plot_iterations.py";
 
 /// Draws what `script` makes of the data in `folder`, as SVG and PNG. $CONSIMD_PLOT_SCRIPT is another script; else it
 /// is the one of the same name in `../share/consimd` seen from `program`'s folder, else that in the source tree. The
-/// interpreter is the first of $CONSIMD_PYTHON, python3 and /usr/bin/python3 that has matplotlib. Throws
-/// std::runtime_error that says in one line what is missing.
+/// interpreter is $CONSIMD_PYTHON, else the first of python3 and /usr/bin/python3 that has matplotlib. It runs isolated
+/// (-I): nothing is imported from the current folder, $PYTHONPATH or the user's own packages. Throws std::runtime_error
+/// that says in one line what is missing.
 void draw_figures(std::string_view script, const std::filesystem::path& folder, const std::filesystem::path& program);
 
 }  // namespace consimd::studies

@@ -35,6 +35,10 @@ struct Outcome {
 [[nodiscard]] Outcome run_method(std::string_view name, const Correspondences& correspondences, double noise_bound,
                                  std::uint64_t seed);
 
+/// The values of all options, defaults included, of the solver that a method runs; empty for stages and plain RANSAC.
+/// Throws as above.
+[[nodiscard]] std::string option_values(std::string_view name);
+
 /// The names above, put together.
 [[nodiscard]] std::string after_filter(std::string_view solver);
 [[nodiscard]] std::string with_scale(std::string_view solver);

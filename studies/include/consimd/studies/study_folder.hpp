@@ -4,9 +4,11 @@
 #include <filesystem>
 #include <fstream>
 #include <optional>
+#include <set>
 #include <string_view>
 #include <vector>
 
+#include <consimd/studies/cell_summary.hpp>
 #include <consimd/studies/folder_lock.hpp>
 #include <consimd/studies/limits.hpp>
 #include <consimd/studies/study_summary.hpp>
@@ -25,9 +27,9 @@ inline constexpr std::string_view kSummaryFile = "summary.json";
 /// The output folder of a study: trials.csv, cells.csv, summary.json, and limits.csv if asked for. That of a shard has
 /// no cells.csv: its cells lack trials.
 ///
-/// While a study runs, trials.csv grows by a whole line a trial, in the order in which trials end; a line that a crash
-/// cut short is dropped on resuming. `finish` replaces it by the sorted table. Functions throw std::runtime_error that
-/// names the file.
+/// While a study runs, trials.csv and limits.csv grow by a whole line a trial or noise level, in the order in which
+/// these end; a line that a crash cut short is dropped on resuming. `finish` replaces trials.csv by the sorted table.
+/// Functions throw std::runtime_error that names the file, and the line where there is one.
 class StudyFolder {
  public:
   /// Opens or makes the folder, puts the trials of an earlier run into `table`, and gets ready to append. A folder that
@@ -37,13 +39,16 @@ class StudyFolder {
 
   void append(const TrialRecord& record);
 
-  /// Writes the sorted trials.csv, summary.json and, unless it is that of a shard, cells.csv of a complete table.
-  void finish(const TrialTable& table, RunFacts facts);
+  /// Writes the sorted trials.csv, summary.json and, unless it is that of a shard, cells.csv of a complete table, which
+  /// need not keep records: all have been appended. Returns the summary of a study, an empty one of a shard.
+  StudySummary finish(const TrialTable& table, RunFacts facts);
 
   /// The rows of limits.csv, those of earlier runs first.
   [[nodiscard]] const std::vector<LimitRecord>& limits() const noexcept { return limits_; }
 
-  /// Adds a row and writes the file.
+  [[nodiscard]] bool has_limit(double sigma) const { return limit_levels_.contains(sigma); }
+
+  /// Adds a row to the end of the file.
   void append(const LimitRecord& limit);
 
  private:
@@ -55,12 +60,15 @@ class StudyFolder {
   std::filesystem::path folder_;
   std::optional<FolderLock> lock_;
   std::ofstream trials_;
+  std::ofstream limits_file_;
   std::vector<LimitRecord> limits_;
+  std::set<double> limit_levels_;  ///< of those
 };
 
-/// Writes a finished study as if it had been run in `folder`, over what there is of the same study. `limits`: in the
-/// order of the noise levels, none if they were not asked for. A folder that holds another study is an error unless
-/// `fresh`, as above.
+/// Writes a finished study as if it had been run in `folder`, over what there is of the same study. Until all is
+/// written summary.json says which study it is, and that it is not complete: after a crash the same call begins anew.
+/// `limits`: in the order of the noise levels, none if they were not asked for. A folder that holds another study is an
+/// error unless `fresh`, as above.
 void write_study(const std::filesystem::path& folder, const TrialTable& table, const std::vector<LimitRecord>& limits,
                  std::string_view summary, bool fresh);
 

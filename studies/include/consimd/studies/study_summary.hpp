@@ -27,6 +27,9 @@ struct RunFacts {
 /// numbers of threads differ it lists all values, in the order of the shards.
 [[nodiscard]] std::string merged_summary_json(const TrialTable& table, std::span<const std::string> summaries);
 
+/// That of the same study before it is complete.
+[[nodiscard]] std::string unfinished_summary(std::string_view summary);
+
 /// Compares the study that `summary` (a text of `summary_json`) describes with that of `table` and this build. Empty
 /// when trials of the two may stand in one table, else the first difference, as "it has trials 100, not 50". Throws
 /// std::invalid_argument if the text is no summary.

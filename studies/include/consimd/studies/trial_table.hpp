@@ -4,8 +4,10 @@
 #include <cstddef>
 #include <cstdint>
 #include <functional>
+#include <map>
 #include <optional>
 #include <span>
+#include <string>
 #include <vector>
 
 #include <consimd/studies/shard.hpp>
@@ -20,9 +22,13 @@ namespace consimd::studies {
 /// when, the table reads the same.
 class TrialTable {
  public:
+  /// What a slot holds: the record, some 200 bytes, or a bit that tells whether the trial is done. A study in a folder
+  /// needs no more: the folder has the records.
+  enum class Keep : std::uint8_t { records, marks };
+
   /// For the whole study, or a shard: problems, numbered by outlier ratio, noise level and trial, are dealt out, each
   /// with all its solvers. Throws std::invalid_argument on bad options.
-  explicit TrialTable(SweepOptions options, std::optional<Shard> shard = {});
+  explicit TrialTable(SweepOptions options, std::optional<Shard> shard = {}, Keep keep = Keep::records);
 
   [[nodiscard]] const SweepOptions& options() const noexcept { return options_; }
   [[nodiscard]] const std::optional<Shard>& shard() const noexcept { return shard_; }
@@ -40,9 +46,15 @@ class TrialTable {
     return filled_[slot(solver, ratio, sigma, trial)];
   }
 
+  /// The slot of a record. Throws std::invalid_argument if the record is not of this study or shard.
+  [[nodiscard]] std::size_t slot_of(const TrialRecord& record) const;
+  [[nodiscard]] std::size_t slots() const { return options_.cells() * options_.trials; }
+
   /// Fills the record's slot; a record that is there already stays. Throws std::invalid_argument if the record is not
   /// of this study or shard.
   void put(TrialRecord record);
+
+  // Of a table that keeps records.
 
   /// Calls `take` with every record that is there, in order.
   void for_each(const std::function<void(const TrialRecord&)>& take) const;
@@ -65,8 +77,11 @@ class TrialTable {
 
   SweepOptions options_;
   std::optional<Shard> shard_;
+  // Places in the lists of options().
+  std::map<double, std::size_t> ratios_, sigmas_;
+  std::map<std::string, std::size_t, std::less<>> solvers_;
   std::size_t size_;
-  std::vector<TrialRecord> records_;
+  std::vector<TrialRecord> records_;  ///< none if marks are all that is kept
   std::vector<bool> filled_;
   std::size_t filled_count_ = 0;
 };

@@ -23,7 +23,7 @@ namespace consimd::synth {
 ///                        where sigma is 0
 /// Numbers carry the digits (at most 17 significant ones) that read back as the same double.
 /// Every file is written whole under a temporary name before the first is renamed, so a failure leaves nothing
-/// half-written. Throws std::runtime_error naming the path.
+/// half-written. Throws std::runtime_error naming the path, and std::invalid_argument if a number is not finite.
 void write_problem(const Problem& problem, const std::filesystem::path& folder);
 
 /// Writes `pose` with `scale` as `write_problem` writes the true one. Throws std::runtime_error naming the path.
