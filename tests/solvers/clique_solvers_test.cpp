@@ -117,8 +117,38 @@ TEST(Mac, BudgetIsKept) {
   EXPECT_LE(few.stages[0].iterations, 800u);
   EXPECT_LE(few.stages[1].iterations, 20u);
   EXPECT_TRUE(succeeds(problem, few, 3.0));
-  const Registration none = register_mac(problem.correspondences(), {.noise_bound = 3.0, .max_hypotheses = 0});
-  EXPECT_EQ(none.status, Status::no_consensus);
+  const Registration one = register_mac(problem.correspondences(), {.noise_bound = 3.0, .max_hypotheses = 1});
+  EXPECT_EQ(one.stages[1].iterations, 1u);
+}
+
+TEST(Mac, BudgetThatEndsIsNoDoubtWhereNoOtherPoseCouldHide) {
+  // Without structure in the outliers: whatever the search left out, it is no pose of as much support.
+  const Problem problem = synth::noise_study_problem({.correspondences = 2000, .outlier_ratio = 0.9, .sigma = 1.0});
+  const Registration result =
+      register_mac(problem.correspondences(), {.noise_bound = 3.0, .max_cliques = 5000, .max_nodes = 10'000});
+  EXPECT_TRUE(succeeds(problem, result, 3.0));
+  EXPECT_EQ(result.status, Status::success);
+}
+
+TEST(Teaser, WordsBoundTheSearch) {
+  // Nearly every pair agrees by chance.
+  const Problem problem = synth::hard_problem({.correspondences = 1500, .outlier_ratio = 1.0, .sigma = 15.0});
+  const Registration whole =
+      register_teaser(problem.correspondences(), {.noise_bound = 45.0, .max_work = 1'000'000'000});
+  const Registration cut = register_teaser(problem.correspondences(), {.noise_bound = 45.0, .max_work = 1'000'000});
+  for (const Registration* result : {&whole, &cut}) {
+    expect_sound(*result, problem, 45.0);
+    EXPECT_FALSE(result->has_pose());
+  }
+  EXPECT_LT(cut.stages.front().iterations, whole.stages.front().iterations);
+}
+
+TEST(Teaser, UnprovenCliqueIsNoDoubtWhereTheRestHoldsNoRival) {
+  const Problem problem = synth::noise_study_problem({.correspondences = 1000, .outlier_ratio = 0.5, .sigma = 1.0});
+  const Registration cut = register_teaser(problem.correspondences(), {.noise_bound = 3.0, .max_nodes = 0});
+  expect_sound(cut, problem, 3.0);
+  EXPECT_TRUE(succeeds(problem, cut, 3.0));
+  EXPECT_EQ(cut.status, Status::success);
 }
 
 TEST(CliqueSolvers, BadOptionsAreRejected) {

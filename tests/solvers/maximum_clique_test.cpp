@@ -190,6 +190,21 @@ TEST(MaximumClique, BudgetIsKeptAndReported) {
   }
 }
 
+TEST(MaximumClique, BudgetOfWordsIsKeptAndReported) {
+  const BitGraph graph = random_graph(700, 0.6, 5);
+  const MaximumClique unlimited = maximum_clique(graph, {.max_nodes = 2000});
+  std::size_t former = 0;
+  for (const std::uint64_t max_work :
+       {std::uint64_t{1}, unlimited.work / 100, unlimited.work / 4, unlimited.work}) {
+    const MaximumClique clique = maximum_clique(graph, {.max_nodes = 2000, .max_work = max_work});
+    EXPECT_FALSE(clique.proven);
+    EXPECT_TRUE(is_clique(graph, clique.members));
+    EXPECT_GE(clique.members.size(), std::max<std::size_t>(former, 5));
+    EXPECT_LE(clique.work, max_work + unlimited.work / 10) << max_work;
+    former = clique.members.size();
+  }
+}
+
 TEST(MaximumClique, OfAConsistencyMatrixHoldsTheInliers) {
   const Problem problem = synth::noise_study_problem({.correspondences = 1000, .outlier_ratio = 0.9, .sigma = 1.0});
   ConsistencyMatrix matrix;
@@ -205,13 +220,16 @@ TEST(MaximumClique, OfAConsistencyMatrixHoldsTheInliers) {
 TEST(MaximumClique, IsTheSameForAnyNumberOfThreadsAndEveryInstructionSet) {
   const tbb::global_control allow(tbb::global_control::max_allowed_parallelism, 4);
   const Isa before = active_isa();
-  for (const std::uint64_t max_nodes : {200U, 1'000'000U}) {
+  for (const auto& [max_nodes, max_work] :
+       {std::pair(200U, 1'000'000'000U), std::pair(1'000'000U, 1'000'000'000U), std::pair(1'000'000U, 1'000'000U)}) {
     const BitGraph graph = random_graph(300, 0.4, 9);
-    const MaximumClique expected = maximum_clique(graph, {.max_nodes = max_nodes});
+    const MaximumCliqueOptions options{.max_nodes = max_nodes, .max_work = max_work};
+    const MaximumClique expected = maximum_clique(graph, options);
     const auto expect_same = [&] {
-      const MaximumClique clique = maximum_clique(graph, {.max_nodes = max_nodes});
+      const MaximumClique clique = maximum_clique(graph, options);
       EXPECT_EQ(clique.members, expected.members);
       EXPECT_EQ(clique.nodes, expected.nodes);
+      EXPECT_EQ(clique.work, expected.work);
       EXPECT_EQ(clique.proven, expected.proven);
     };
     for (const int threads : {1, 2, 4}) tbb::task_arena(threads).execute(expect_same);

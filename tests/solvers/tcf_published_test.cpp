@@ -5,10 +5,12 @@
 #include <consimd/solvers/tcf_published.hpp>
 #include <consimd/solvers/three_point_ransac.hpp>
 #include <consimd/solvers/two_point_ransac.hpp>
+#include <consimd/synth/hard_problems.hpp>
 #include <consimd/synth/metrics.hpp>
 #include <consimd/synth/noise_study.hpp>
 
 #include <optional>
+#include <vector>
 
 #include "problems.hpp"
 
@@ -33,6 +35,31 @@ TEST_P(TcfPublished, FindsPosesOfHardlyRotatedClouds) {
     expect_sound(result, problem, 3.0);
     EXPECT_EQ(result.status, Status::success) << "trial " << trial;
     EXPECT_LT(synth::rmse_true_inliers(problem, result.T_target_source), 3.0) << "trial " << trial;
+  }
+}
+
+TEST(TcfPublishedVerdict, NoPoseIsNoSuccess) {
+  for (std::uint64_t trial = 0; trial < 10; ++trial) {
+    const Problem problem = synth::hard_problem({.correspondences = 1000,
+                                                 .outlier_ratio = 1.0,
+                                                 .sigma = 5.0,
+                                                 .seed = 3,
+                                                 .trial = static_cast<std::uint32_t>(trial)});
+    const Registration result = register_tcf_published(problem.correspondences(), {.noise_bound = 15.0, .seed = trial});
+    EXPECT_FALSE(result.has_pose()) << "trial " << trial;
+    expect_sound(result, problem, 15.0);
+  }
+}
+
+TEST(TcfPublishedVerdict, EndsBeforeItsStagesWhereNoPoseCanBe) {
+  const std::vector<double> same(3 * 5000, 1.0);
+  std::vector<double> line;
+  for (int k = 0; k < 5000; ++k) line.insert(line.end(), {0.1 * k, 0.2 * k, -0.3 * k});
+  for (const std::vector<double>& points : {same, line}) {
+    const auto span = PointSpan<double>::interleaved(points.data(), points.size() / 3);
+    const Registration result = register_tcf_published({span, span}, {.noise_bound = 0.3});
+    EXPECT_EQ(result.status, Status::degenerate_geometry);
+    EXPECT_TRUE(result.stages.empty());
   }
 }
 

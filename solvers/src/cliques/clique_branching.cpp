@@ -6,11 +6,14 @@
 
 namespace consimd::detail {
 
-void CliqueBranching::run(const GraphView& graph, std::uint32_t wanted, std::uint64_t max_nodes) {
+void CliqueBranching::run(const GraphView& graph, std::uint32_t wanted, std::uint64_t max_nodes,
+                          std::uint64_t max_work) {
   graph_ = &graph;
   wanted_ = wanted;
   max_nodes_ = max_nodes;
+  max_work_ = max_work;
   nodes_ = 0;
+  work_ = 0;
   complete_ = true;
   clique_.clear();
   current_.clear();
@@ -30,7 +33,7 @@ std::span<std::uint64_t> CliqueBranching::candidates_at(std::size_t depth) {
 }
 
 void CliqueBranching::expand(std::size_t depth) {
-  if (nodes_ == max_nodes_) {
+  if (nodes_ == max_nodes_ || work_ >= max_work_) {
     complete_ = false;
     return;
   }
@@ -82,6 +85,7 @@ void CliqueBranching::colour(std::span<const std::uint64_t> candidates, std::uin
         uncoloured_[w] &= ~(std::uint64_t{1} << bit);
         colour_class_[w] &= colour_class_[w] - 1;
         for (std::size_t k = w; k < end; ++k) colour_class_[k] &= ~row[k];
+        work_ += kRowWork + end - w;
         if (colours >= least) branches_.push_back({vertex, colours});
       }
     }

@@ -8,18 +8,22 @@
 
 namespace consimd::detail {
 
+/// What combining a row costs beside its words, in words.
+inline constexpr std::uint64_t kRowWork = 32;
+
 /// Holds the memory of the search, kept between calls.
 class CliqueBranching {
  public:
-  /// A clique of at least `wanted` > 0 vertices, the largest, or none. Stops after `max_nodes` nodes. Vertices of high
-  /// degree should come first.
-  void run(const GraphView& graph, std::uint32_t wanted, std::uint64_t max_nodes);
+  /// A clique of at least `wanted` > 0 vertices, the largest, or none. Stops after `max_nodes` nodes or
+  /// `max_work` of work (see MaximumCliqueOptions). Vertices of high degree should come first.
+  void run(const GraphView& graph, std::uint32_t wanted, std::uint64_t max_nodes, std::uint64_t max_work);
 
   /// Empty: none that large was found.
   [[nodiscard]] const std::vector<std::uint32_t>& clique() const noexcept { return clique_; }
   /// Whether the search ended by itself: `clique` is what was asked for.
   [[nodiscard]] bool complete() const noexcept { return complete_; }
   [[nodiscard]] std::uint64_t nodes() const noexcept { return nodes_; }
+  [[nodiscard]] std::uint64_t work() const noexcept { return work_; }
 
  private:
   struct Branch {
@@ -34,7 +38,9 @@ class CliqueBranching {
   const GraphView* graph_ = nullptr;
   std::uint32_t wanted_ = 0;
   std::uint64_t max_nodes_ = 0;
+  std::uint64_t max_work_ = 0;
   std::uint64_t nodes_ = 0;
+  std::uint64_t work_ = 0;
   bool complete_ = true;
   std::vector<std::uint32_t> clique_;
   std::vector<std::uint32_t> current_;

@@ -6,6 +6,8 @@
 
 #include <algorithm>
 #include <array>
+#include <numeric>
+#include <utility>
 
 #include "bits/bit_rows.hpp"
 #include "cliques/clique_branching.hpp"
@@ -17,8 +19,11 @@ namespace {
 
 // Greedy cliques from so many vertices, spread over all, come before the first reduction.
 constexpr std::size_t kFirstStarts = 16;
-// Vertices looked at with the same bound: enough to keep many threads busy.
+// Vertices looked at with the same bound: enough to keep many threads busy. Fewer where a round of so many would take
+// more than a quarter of the work that is left.
 constexpr std::size_t kRound = 256;
+constexpr std::size_t kSmallestRound = 16;
+constexpr std::uint64_t kRoundsLeft = 4;
 constexpr std::size_t kSearchRound = 32;
 // Degrees within the candidates are counted again once these have shrunk to this share.
 constexpr double kRecount = 0.75;
@@ -64,6 +69,7 @@ class Neighbourhood {
         if (!test_bit(set_, taken)) continue;
         clique.push_back(taken);
         intersect(set_, graph.row(taken), set_);
+        work_ += kRowWork + set_.size();
         clear_bit(set_, taken);
         left = popcount(set_);
         if (clique.size() + left < wanted) return;
@@ -73,6 +79,9 @@ class Neighbourhood {
       count(graph, members_, degrees_);
     }
   }
+
+  /// Work done since the last call.
+  std::uint64_t take_work() noexcept { return std::exchange(work_, 0); }
 
  private:
   // Drops members until each is adjacent to `wanted` - 1 others or more. Returns false if fewer than `wanted` are left.
@@ -123,6 +132,7 @@ class Neighbourhood {
           uncoloured_[w] &= ~(std::uint64_t{1} << bit);
           colour_class_[w] &= colour_class_[w] - 1;
           for (std::size_t k = w; k < colour_class_.size(); ++k) colour_class_[k] &= ~row[k];
+          work_ += kRowWork + colour_class_.size() - w;
           --left;
         }
       }
@@ -136,7 +146,8 @@ class Neighbourhood {
   }
 
   // Degrees within the set.
-  void count(const GraphView& graph, std::span<const std::uint32_t> vertices, std::span<std::uint32_t> degrees) const {
+  void count(const GraphView& graph, std::span<const std::uint32_t> vertices, std::span<std::uint32_t> degrees) {
+    work_ += vertices.size() * (kRowWork + set_.size());
     and_popcount_rows(graph.bits(), set_, vertices, degrees);
     for (std::size_t i = 0; i < vertices.size(); ++i) {
       if (graph.adjacent(vertices[i], vertices[i])) --degrees[i];
@@ -156,6 +167,7 @@ class Neighbourhood {
   std::vector<std::uint64_t> keys_;
   std::vector<std::uint64_t> uncoloured_;
   std::vector<std::uint64_t> colour_class_;
+  std::uint64_t work_ = 0;
 };
 
 struct Scratch {
@@ -168,7 +180,10 @@ struct Scratch {
 class MaximumCliqueSearch {
  public:
   MaximumCliqueSearch(const GraphView& graph, const MaximumCliqueOptions& options)
-      : reduced_(graph, options.larger_than), larger_than_(options.larger_than), nodes_left_(options.max_nodes) {}
+      : reduced_(graph, options.larger_than),
+        larger_than_(options.larger_than),
+        nodes_left_(options.max_nodes),
+        work_left_(options.max_work) {}
 
   MaximumClique run() {
     const std::size_t size = reduced_.rest().size();
@@ -180,34 +195,50 @@ class MaximumCliqueSearch {
     reduced_.reduce();
     starts.clear();
     for (std::uint32_t v = 0; v < reduced_.rest().size(); ++v) starts.push_back(v);
-    for (std::size_t begin = 0; begin < starts.size(); begin += kRound) {
-      grow(std::span(starts).subspan(begin, std::min(kRound, starts.size() - begin)));
+    for (std::span<const std::uint32_t> left = starts; !left.empty() && work_left_ > 0;) {
+      const std::span<const std::uint32_t> round = left.first(std::min(round_size(), left.size()));
+      left = left.subspan(round.size());
+      grow(round);
     }
     reduced_.reduce();
     MaximumClique result;
     result.proven = search();
     if (reduced_.best().size() > larger_than_) result.members = reduced_.best();
     result.nodes = nodes_;
+    result.work = work_;
     std::ranges::sort(result.members);
     return result;
   }
 
  private:
+  void spend(std::uint64_t work) {
+    work_ += work;
+    work_left_ -= std::min(work_left_, work);
+  }
+
+  // Starts of the next round: by what those of the last one cost.
+  [[nodiscard]] std::size_t round_size() const {
+    const std::uint64_t affordable = work_left_ / (kRoundsLeft * std::max<std::uint64_t>(work_of_start_, 1));
+    return std::clamp<std::uint64_t>(affordable, kSmallestRound, kRound);
+  }
+
   // Offers greedy cliques around `starts`, and rules out those of which none could be larger than the best.
   void grow(std::span<const std::uint32_t> starts) {
     const GraphView graph = reduced_.rest();
     cliques_.assign(starts.size(), {});
     hopeless_.assign(starts.size(), 0);
+    work_of_.assign(starts.size(), 0);
     tbb::parallel_for(tbb::blocked_range<std::size_t>(0, starts.size(), 1), [&](const auto& range) {
       Neighbourhood& neighbourhood = scratch_.local().neighbourhood;
       for (std::size_t i = range.begin(); i < range.end(); ++i) {
         if (reduced_.core()[starts[i]] + 1 < reduced_.wanted()) continue;
         if (!neighbourhood.assign(graph, starts[i], graph.size(), reduced_.wanted() - 1)) {
           hopeless_[i] = 1;
-          continue;
+        } else {
+          cliques_[i].push_back(starts[i]);
+          neighbourhood.take_greedily(graph, reduced_.wanted(), cliques_[i]);
         }
-        cliques_[i].push_back(starts[i]);
-        neighbourhood.take_greedily(graph, reduced_.wanted(), cliques_[i]);
+        work_of_[i] = neighbourhood.take_work();
       }
     });
     for (const std::vector<std::uint32_t>& clique : cliques_) reduced_.offer(clique);
@@ -216,7 +247,15 @@ class MaximumCliqueSearch {
       if (hopeless_[i] != 0) hopeless.push_back(starts[i]);
     }
     reduced_.rule_out(hopeless);
+    const std::uint64_t work = std::accumulate(work_of_.begin(), work_of_.end(), std::uint64_t{0});
+    work_of_start_ = work / std::max<std::size_t>(starts.size(), 1);
+    spend(work);
   }
+
+  struct Budget {
+    std::uint64_t nodes;
+    std::uint64_t work;
+  };
 
   // Returns whether the best clique is a maximum one.
   bool search() {
@@ -225,9 +264,9 @@ class MaximumCliqueSearch {
     for (std::size_t first = 0; first < graph.size(); first += kSearchRound) {
       const std::uint32_t wanted = reduced_.wanted();
       if (reduced_.core()[first] + 1 < wanted) break;  // and so are all that follow
-      if (nodes_left_ == 0) return false;
+      if (nodes_left_ == 0 || work_left_ == 0) return false;
       const std::size_t count = std::min(kSearchRound, graph.size() - first);
-      const std::uint64_t share = nodes_left_ / count;
+      const Budget share{nodes_left_ / count, work_left_ / count};
       outcomes_.assign(count, {});
       tbb::parallel_for(tbb::blocked_range<std::size_t>(0, count, 1), [&](const auto& range) {
         for (std::size_t i = range.begin(); i < range.end(); ++i) {
@@ -239,6 +278,7 @@ class MaximumCliqueSearch {
         proven = proven && outcome.complete;
         nodes_left_ -= outcome.nodes;
         nodes_ += outcome.nodes;
+        spend(outcome.work);
       }
     }
     return proven;
@@ -248,19 +288,23 @@ class MaximumCliqueSearch {
     std::vector<std::uint32_t> clique;
     bool complete = true;
     std::uint64_t nodes = 0;
+    std::uint64_t work = 0;
   };
 
   // The largest clique of `vertex` and vertices that were peeled after it.
-  Outcome search_from(const GraphView& graph, std::uint32_t vertex, std::uint32_t wanted, std::uint64_t max_nodes) {
+  Outcome search_from(const GraphView& graph, std::uint32_t vertex, std::uint32_t wanted, const Budget& share) {
     Outcome outcome;
     if (reduced_.core()[vertex] + 1 < wanted) return outcome;
     Scratch& scratch = scratch_.local();
-    if (!scratch.neighbourhood.assign(graph, vertex, vertex, wanted - 1)) return outcome;
+    const bool hopeful = scratch.neighbourhood.assign(graph, vertex, vertex, wanted - 1);
+    outcome.work = scratch.neighbourhood.take_work();
+    if (!hopeful) return outcome;
     scratch.neighbourhood.list_by_degree(scratch.vertices);
     scratch.graph.assign_subgraph(graph, scratch.vertices);
-    scratch.branching.run(scratch.graph, std::max(wanted, 2U) - 1, max_nodes);
+    scratch.branching.run(scratch.graph, std::max(wanted, 2U) - 1, share.nodes, share.work);
     outcome.complete = scratch.branching.complete();
     outcome.nodes = scratch.branching.nodes();
+    outcome.work += scratch.branching.work();
     if (scratch.branching.clique().size() + 1 < wanted) return outcome;
     outcome.clique.push_back(vertex);
     for (const std::uint32_t i : scratch.branching.clique()) outcome.clique.push_back(scratch.vertices[i]);
@@ -270,7 +314,11 @@ class MaximumCliqueSearch {
   ReducedGraph reduced_;
   std::uint32_t larger_than_;
   std::uint64_t nodes_left_;
+  std::uint64_t work_left_;
   std::uint64_t nodes_ = 0;
+  std::uint64_t work_ = 0;
+  std::uint64_t work_of_start_ = 0;  // mean of the last round
+  std::vector<std::uint64_t> work_of_;
   std::vector<std::vector<std::uint32_t>> cliques_;
   std::vector<std::uint8_t> hopeless_;
   std::vector<Outcome> outcomes_;

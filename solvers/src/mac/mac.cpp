@@ -117,6 +117,31 @@ std::size_t choose(const Correspondences& correspondences, std::span<const Hypot
   return best;
 }
 
+// Share of its supporters that each supporter of a pose is compatible with in the graph, at least: the graph's test is
+// narrower than the noise.
+constexpr double kCompatibleShare = 0.25;
+
+/// Whether a pose of more support than the best may have been missed. Its rows would not be explained by the best one,
+/// so many of them would have had their search cut short, and they would be compatible with one another: a core of the
+/// graph.
+bool may_have_missed(const detail::CompatibilityGraph& graph, std::span<const std::uint32_t> cut_short,
+                     const detail::BestPoses& poses) {
+  const std::uint32_t support = poses.best().support.count;
+  std::vector<std::uint32_t> rows;
+  for (std::uint32_t row = 0; row < graph.graph().size(); ++row) {
+    if (!poses.best_explains(row)) rows.push_back(row);
+  }
+  BitGraph unexplained;
+  unexplained.assign_subgraph(graph.graph(), rows);
+  const std::vector<std::uint32_t> core = core_numbers(unexplained).core;
+  const auto suspect = [&](std::uint32_t row) {
+    const auto place = std::ranges::lower_bound(rows, row);
+    return place != rows.end() && *place == row &&
+           core[static_cast<std::size_t>(place - rows.begin())] >= kCompatibleShare * support;
+  };
+  return std::ranges::count_if(cut_short, suspect) > support;
+}
+
 void solve(const Correspondences& correspondences, const MacOptions& options, Registration& result) {
   const CorrespondenceView view = correspondences.view();
   const std::size_t size = view.size();
@@ -154,8 +179,7 @@ void solve(const Correspondences& correspondences, const MacOptions& options, Re
   hypothesis_report.output = poses.best().support.count;
   hypothesis_report.iterations = selected.cliques.size();
 
-  const auto unexplained = [&](std::uint32_t row) { return !poses.best_explains(row); };
-  const bool confident = std::ranges::count_if(selected.cut_short, unexplained) <= poses.best().support.count;
+  const bool confident = !may_have_missed(*graph, selected.cut_short, poses);
   result.stages = {clique_report, hypothesis_report};
   const detail::PoseTest test = {options.noise_bound, options.bounds_tried};
   detail::finish_and_conclude(correspondences, test, poses, best_set, confident, result);

@@ -20,10 +20,10 @@ inline const OptionList<MacOptions>& mac_options() {
       option<&MacOptions::max_mean_degree>("max_mean_degree", "edges a vertex",
                                            "a graph with more is thinned out to so many; inf: never",
                                            kPositiveOrInfinite),
-      option<&MacOptions::max_cliques>("max_cliques", "cliques", "of three and more, at most"),
-      option<&MacOptions::max_nodes>("max_nodes", "nodes", "of the clique search, at most"),
+      option<&MacOptions::max_cliques>("max_cliques", "cliques", "of three and more, at most", 1),
+      option<&MacOptions::max_nodes>("max_nodes", "nodes", "of the clique search, at most", 1),
       option<&MacOptions::max_hypotheses>("max_hypotheses", "cliques",
-                                          "of the heaviest that poses are made of, at most"),
+                                          "of the heaviest that poses are made of, at most", 1),
       option<&MacOptions::weighted_fit>(
           "weighted_fit", "", "weigh a clique's correspondences by the leading eigenvector of its edge weights"),
       option<&MacOptions::matrix_budget_bytes>("matrix_budget_bytes", "bytes",

@@ -10,7 +10,7 @@ namespace consimd::detail {
 inline const OptionList<RansacOptions>& ransac_options() {
   static const OptionList<RansacOptions> list{
       option<&RansacOptions::max_iterations>("max_iterations", "samples",
-                                             "drawn at most; those that the length check turns down count"),
+                                             "drawn at most; those that the length check turns down count", 1),
       option<&RansacOptions::confidence>(
           "confidence", "probability",
           "that a sample of the best pose's supporters has been drawn when the search stops; none: it draws "

@@ -15,7 +15,7 @@ inline const OptionList<TcfOptions>& tcf_options() {
           "that a seed of the pose with the largest support has been drawn when the search stops", kProbability),
       option<&TcfOptions::max_seeds>(
           "max_seeds", "seeds",
-          "drawn at most; when they end before the confidence is reached the status is budget_exhausted"),
+          "drawn at most; when they end before the confidence is reached the status is budget_exhausted", 1),
       option<&TcfOptions::matrix_budget_bytes>(
           "matrix_budget_bytes", "bytes",
           "memory for the consistency matrix of all rows, which is built only where consensus sets are dense"),
@@ -27,7 +27,7 @@ inline const OptionList<TcfPublishedOptions>& tcf_published_options() {
   static const OptionList<TcfPublishedOptions> list{
       option<&TcfPublishedOptions::confidence>(
           "confidence", "probability", "that a sample of the best set has been drawn when a stage stops", kProbability),
-      option<&TcfPublishedOptions::max_iterations>("max_iterations", "samples", "drawn at most, in each stage"),
+      option<&TcfPublishedOptions::max_iterations>("max_iterations", "samples", "drawn at most, in each stage", 1),
   };
   return list;
 }

@@ -4,18 +4,25 @@
 
 #include <consimd/solvers/one_point_ransac.hpp>
 #include <consimd/solvers/sa_cauchy_irls.hpp>
+#include <consimd/solvers/significance.hpp>
 #include <consimd/solvers/three_point_ransac.hpp>
 #include <consimd/solvers/two_point_ransac.hpp>
 
 #include "call/solver_call.hpp"
 #include "support/pose_candidate.hpp"
 #include "tcf/tcf_options.hpp"
+#include "verdict/pose_checks.hpp"
+#include "verdict/pose_test.hpp"
 
 namespace consimd {
 namespace {
 
 void solve(const Correspondences& correspondences, const TcfPublishedOptions& options, Registration& result) {
   const double tau = options.noise_bound;
+  if (detail::coincident_or_collinear(correspondences)) {
+    result.status = Status::degenerate_geometry;
+    return;
+  }
   const auto run_stage = [&](std::string name, std::size_t input, auto&& stage) {
     StageReport report{std::move(name), input};
     {
@@ -75,9 +82,10 @@ void solve(const Correspondences& correspondences, const TcfPublishedOptions& op
     result.status = Status::degenerate_geometry;
     return;
   }
-  std::vector<std::uint32_t> inliers =
-      detail::pose_inliers(correspondences.view(), to_working_pose(irls.fit.pose), tau);
-  if (inliers.size() < 3) {
+  const WorkingPose pose = to_working_pose(irls.fit.pose);
+  std::vector<std::uint32_t> inliers = detail::pose_inliers(correspondences.view(), pose, tau);
+  result.log10_false_poses = significance(correspondences, pose, tau).log10_false_poses;
+  if (inliers.size() < 3 || result.log10_false_poses >= detail::kSignificant) {
     result.status = Status::no_consensus;
     return;
   }

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 #include <consimd/kernels/angle_consistency.hpp>
 #include <consimd/kernels/length_consistency.hpp>
@@ -30,10 +31,16 @@ Point difference(const CorrespondenceView& view, bool in_target, std::uint32_t t
 
 double dot(const Point& a, const Point& b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
 
-// Angle between the edges m -> i of both clouds after laying q_m on p_m, and the arcsine that bounds it.
+// Of the edges m -> i of both clouds after laying q_m on p_m: the cosine of their angle, and the sine that bounds it.
 struct EdgeAngle {
-  double angle;
-  double bound;
+  double cosine;
+  double bound_sine;
+
+  [[nodiscard]] double angle() const { return std::acos(cosine); }
+  [[nodiscard]] double bound() const { return std::asin(bound_sine); }
+  // Roots and products that are never more than the angle, and never less than the bound.
+  [[nodiscard]] double least_angle() const { return std::sqrt(2.0 - 2.0 * cosine); }
+  [[nodiscard]] double largest_bound() const { return 0.5 * std::numbers::pi * bound_sine; }
 };
 
 EdgeAngle edge_angle(const CorrespondenceView& view, std::uint32_t m, std::uint32_t i, double bound) {
@@ -41,7 +48,7 @@ EdgeAngle edge_angle(const CorrespondenceView& view, std::uint32_t m, std::uint3
   const Point q = difference(view, true, i, m);
   const double length = std::sqrt(dot(p, p));
   const double cosine = dot(p, q) / (length * std::sqrt(dot(q, q)));
-  return {std::acos(std::clamp(cosine, -1.0, 1.0)), std::asin(std::min(bound / length, 1.0))};
+  return {std::clamp(cosine, -1.0, 1.0), std::min(bound / length, 1.0)};
 }
 
 // Eq. (consensus-2pt)-(beta-2pt) as printed.
@@ -49,7 +56,10 @@ bool printed_angle_consistent(const CorrespondenceView& view, std::uint32_t m, c
   if (m == pair.first || m == pair.second) return true;
   const EdgeAngle a = edge_angle(view, m, pair.first, bound);
   const EdgeAngle b = edge_angle(view, m, pair.second, bound);
-  return a.angle + b.angle < a.bound + b.bound;
+  // Most sets have few members and most rows are far from being one: they need no inverse functions.
+  constexpr double kMoreThanRounding = 1.0 + 1e-9;
+  if (a.least_angle() + b.least_angle() > kMoreThanRounding * (a.largest_bound() + b.largest_bound())) return false;
+  return a.angle() + b.angle() < a.bound() + b.bound();
 }
 
 }  // namespace

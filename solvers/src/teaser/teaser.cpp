@@ -36,7 +36,7 @@ Selected select(const ConsistencyMatrix& matrix, const TeaserOptions& options) {
   Selected selected;
   switch (options.selection) {
     case TeaserOptions::Selection::maximum_clique: {
-      MaximumClique clique = maximum_clique(matrix, {.max_nodes = options.max_nodes});
+      MaximumClique clique = maximum_clique(matrix, {.max_nodes = options.max_nodes, .max_work = options.max_work});
       selected = {std::move(clique.members), clique.proven, clique.nodes};
       break;
     }
@@ -112,23 +112,29 @@ Estimate estimate(const Correspondences& correspondences, std::span<const std::u
   return result;
 }
 
+// Part of the work of the first search that the one for a rival may take.
+constexpr std::uint64_t kRivalWork = 4;
+
 /// Offers the pose of a large clique of what the best pose does not explain, if that may be a rival. The greedy search
-/// finds the cliques that stand out, as a motion's do; a proof would cost more than the pose itself.
-void look_for_rival(const Correspondences& correspondences, const TeaserOptions& options, detail::BestPoses& poses) {
+/// finds the cliques that stand out, as a motion's do; a proof would cost more than the pose itself. Returns whether
+/// there is no such clique.
+bool look_for_rival(const Correspondences& correspondences, const TeaserOptions& options, detail::BestPoses& poses) {
   std::vector<std::uint32_t> rest;
   for (std::uint32_t k = 0; k < correspondences.size(); ++k) {
     if (!poses.best_explains(k)) rest.push_back(k);
   }
   const auto supporters = static_cast<std::uint32_t>(std::ceil(detail::kRivalShare * poses.best().support.count));
-  if (rest.size() < supporters) return;
+  if (rest.size() < supporters) return true;
   const Correspondences others = correspondences.subset(rest);
   ConsistencyMatrix matrix;
   matrix.compute(others.view(), 2.0 * options.noise_bound);
-  const MaximumClique clique = maximum_clique(matrix, {.max_nodes = 0, .larger_than = std::max(supporters, 3U) - 1});
-  if (clique.members.empty()) return;
+  const MaximumClique clique = maximum_clique(
+      matrix, {.max_nodes = 0, .max_work = options.max_work / kRivalWork, .larger_than = std::max(supporters, 3U) - 1});
+  if (clique.members.empty()) return clique.proven;
   std::vector<std::uint32_t> rows;
   for (const std::uint32_t i : clique.members) rows.push_back(rest[i]);
   poses.offer(estimate(correspondences, rows, options).candidate);
+  return false;
 }
 
 void solve(const Correspondences& correspondences, const TeaserOptions& options, Registration& result) {
@@ -150,20 +156,21 @@ void solve(const Correspondences& correspondences, const TeaserOptions& options,
                    {"adaptive_voting", kept, best.voters, 3, best.translation_seconds}};
 
   detail::BestPoses poses(correspondences, options.noise_bound);
+  bool confident = selected.proven;
   if (best.candidate.support.count >= 3) {
     StageReport rival_report{"rival", size};
     {
       const detail::StageClock stage(rival_report.seconds);
       poses.offer(best.candidate);
-      look_for_rival(correspondences, options, poses);
+      const bool without_rival = look_for_rival(correspondences, options, poses);
+      confident = confident || without_rival;
     }
     rival_report.output = poses.runner_up().support.count;
     result.stages.push_back(rival_report);
   }
 
   const detail::PoseTest test = {options.noise_bound, options.bounds_tried};
-  detail::finish_and_conclude(correspondences, test, poses, selected.rows, selected.proven, result,
-                              refinement_of(options));
+  detail::finish_and_conclude(correspondences, test, poses, selected.rows, confident, result, refinement_of(options));
 }
 
 Registration register_at_known_scale(const Correspondences& correspondences, const TeaserOptions& options) {

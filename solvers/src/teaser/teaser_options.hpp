@@ -33,8 +33,12 @@ inline const OptionList<TeaserOptions>& teaser_options() {
       option<&TeaserOptions::selection>("selection", "",
                                         "the correspondences that go on, of the graph of pairs that agree in length"),
       option<&TeaserOptions::max_nodes>("max_nodes", "nodes",
-                                        "of the clique search, at most; when they end before the proof the status is "
-                                        "budget_exhausted; 0: greedy alone"),
+                                        "of the clique search, at most; when they end before the proof, and another "
+                                        "pose may be as good, the status is budget_exhausted; 0: greedy alone"),
+      option<&TeaserOptions::max_work>("max_work", "words",
+                                       "of rows of the graph that the clique search combines, at most, about a "
+                                       "nanosecond each; when they end, as with max_nodes",
+                                       1),
       option<&TeaserOptions::rotation_pairs>(
           "rotation_pairs", "", "the differences that give the rotation: each member with the next, or all pairs"),
       option<&TeaserOptions::refine>(

@@ -44,10 +44,11 @@ struct MacOptions {
 
 /// Registers with MAC: the compatibility graph, its maximal cliques, for each vertex the heaviest that holds it, a fit
 /// to each of these, the one of largest truncated quadratic score on all correspondences; then the refinement and the
-/// tests of the default solver. The status is budget_exhausted when the correspondences whose share of a budget ended,
-/// those that the pose explains aside, are so many that a pose of more support could hide among them. Parallel over
-/// vertices and cliques in the caller's oneTBB arena; the result has the same bits for any number of threads and every
-/// ISA. Throws std::invalid_argument on a bad option, or if the graph exceeds its budget.
+/// tests of the default solver. The status is budget_exhausted when a pose of more support could hide among the
+/// correspondences whose share of a budget ended: those that the pose does not explain are more than its supporters,
+/// and compatible with as many others as that takes. Parallel over vertices and cliques in the caller's oneTBB arena;
+/// the result has the same bits for any number of threads and every ISA. Throws std::invalid_argument on a bad option,
+/// or if the graph exceeds its budget.
 [[nodiscard]] Registration register_mac(const Correspondences& correspondences, const MacOptions& options);
 
 }  // namespace consimd

@@ -14,6 +14,10 @@ struct MaximumCliqueOptions {
   /// Nodes of the search tree, at most; when they end before the proof, the best clique so far is given. 0: the greedy
   /// heuristic alone. Nodes, not seconds: the result is the same on every machine.
   std::uint64_t max_nodes = 200'000;
+  /// Work of greedy heuristic and search, at most: rows of the graph that are combined, each counted as its 64-bit
+  /// words and 32 more. A nanosecond or so a unit: what bounds the time where a graph is large and dense. Checked now
+  /// and then, so there may be somewhat more; when it ends, as above.
+  std::uint64_t max_work = std::uint64_t{1} << 31;
   /// Cliques of up to so many vertices are of no interest, which saves most of the work where there are no larger ones.
   std::uint32_t larger_than = 0;
 };
@@ -22,6 +26,7 @@ struct MaximumClique {
   std::vector<std::uint32_t> members;  ///< ascending; empty: none larger than `larger_than` was found
   bool proven = false;                 ///< no larger clique exists
   std::uint64_t nodes = 0;             ///< of the search tree
+  std::uint64_t work = 0;              ///< as in MaximumCliqueOptions
 };
 
 /// Exact branch and bound. Greedy cliques from every vertex give the first bound; vertices whose core number is below

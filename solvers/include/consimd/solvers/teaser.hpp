@@ -7,6 +7,7 @@
 
 #include <consimd/kernels/correspondences.hpp>
 #include <consimd/solvers/gnc_rotation.hpp>
+#include <consimd/solvers/maximum_clique.hpp>
 #include <consimd/solvers/registration.hpp>
 
 #pragma GCC visibility push(default)
@@ -25,9 +26,12 @@ struct TeaserOptions {
     maximum_core,    ///< the vertices of largest core number: no search, but more outliers among them
     everything,
   } selection = Selection::maximum_clique;
-  /// Nodes of the clique search at most; when they end before the proof the status is budget_exhausted. 0: the greedy
-  /// heuristic alone.
+  /// Nodes of the clique search at most, and its work (see MaximumCliqueOptions), which bounds the time where many
+  /// pairs agree by chance: by some two seconds of one core. When one of them ends before the proof the largest clique
+  /// so far is taken, and the status is budget_exhausted, unless what the pose does not explain holds no clique that
+  /// could make another as good. 0 nodes: the greedy heuristic alone.
   std::uint64_t max_nodes = 200'000;
+  std::uint64_t max_work = MaximumCliqueOptions().max_work;
   GncRotationOptions::Pairs rotation_pairs = GncRotationOptions::Pairs::chain;
   /// Bring the pose to the statistical limit with all correspondences, as the default solver does. The paper's own
   /// translation, a vote on each axis alone, is several times less accurate; false returns it, without a covariance.
