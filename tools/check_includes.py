@@ -23,6 +23,7 @@ LAYERS = {
     "cli": "studies features solvers synth poses kernels",
     "python": "studies features solvers synth poses kernels",
     "examples": "studies features solvers synth poses kernels",
+    "fuzz": "studies features solvers synth poses kernels",
 }
 
 # A room is a folder of solvers/src. A public header belongs to the room that has the source of its name.

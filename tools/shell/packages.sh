@@ -8,6 +8,7 @@ declare -A packages_of=(
     nlohmann-json3-dev libgtest-dev libgmock-dev libbenchmark-dev libigraph-dev ccache python3"
   [docs]="doxygen"
   [figures]="python3-matplotlib"
+  [fuzz]="clang"
   [lint]="clang-format clang-tidy python3 shellcheck"
   [neon]="g++-aarch64-linux-gnu qemu-user googletest"
   [python]="python3-dev python3-venv"
