@@ -6,9 +6,11 @@ namespace {
 
 /// What follows 'key': in the header's dictionary.
 std::string_view value_of(std::string_view header, std::string_view key) {
-  const std::size_t at = header.find("'" + std::string(key) + "'");
+  std::string quoted(1, '\'');
+  quoted.append(key).append(1, '\'');
+  const std::size_t at = header.find(quoted);
   const std::size_t colon = at == std::string_view::npos ? at : header.find(':', at);
-  if (colon == std::string_view::npos) throw FileFault("header without '" + std::string(key) + "'");
+  if (colon == std::string_view::npos) throw FileFault("header without " + quoted);
   std::string_view value = header.substr(colon + 1);
   while (value.starts_with(' ')) value.remove_prefix(1);
   return value;
