@@ -54,7 +54,7 @@ TEST(TcfPublishedVerdict, NoPoseIsNoSuccess) {
 TEST(TcfPublishedVerdict, EndsBeforeItsStagesWhereNoPoseCanBe) {
   const std::vector<double> same(3 * 5000, 1.0);
   std::vector<double> line;
-  for (int k = 0; k < 5000; ++k) line.insert(line.end(), {0.1 * k, 0.2 * k, -0.3 * k});
+  for (int k = 0; k < 5000; ++k) line.insert(line.end(), {1.0 * k, 2.0 * k, -3.0 * k});
   for (const std::vector<double>& points : {same, line}) {
     const auto span = PointSpan<double>::interleaved(points.data(), points.size() / 3);
     const Registration result = register_tcf_published({span, span}, {.noise_bound = 0.3});
