@@ -159,10 +159,10 @@ TEST(RunRecord, ReadsBackTheSameBits) {
                       .success = true,
                       .rotation_error_deg = 0.1 + 0.2,
                       .translation_error = 1e-17,
-                      .rows = 1,
-                      .inliers = 2,
-                      .kept = 3,
-                      .kept_inliers = 4,
+                      .rows = 4,
+                      .inliers = 3,
+                      .kept = 2,
+                      .kept_inliers = 1,
                       .seconds = 1.0 / 3.0,
                       .scale_error = 1.0 / 7.0};
   std::string line = to_csv_row(run);
