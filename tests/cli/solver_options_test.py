@@ -13,7 +13,7 @@ from command import CONSIMD, CommandTest
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 
 BAD = {  # solver, option: values, what was expected
-    ("ransac", "max_iterations"): (["", "x", "-1", "1.5", "nan", "4294967296"], "a whole number from 0 to 4294967295"),
+    ("ransac", "max_iterations"): (["", "x", "0", "-1", "1.5", "nan", "4294967296"], "a whole number from 1 to 4294967295"),
     ("tcf", "confidence"): (["", "x", "0", "1", "nan", "inf", "none"], "a number above 0 and below 1"),
     ("ransac", "confidence"): (["", "off", "nan"], "a number above 0 and below 1, or none"),
     ("teaser", "refine"): (["", "1", "True"], "true or false"),

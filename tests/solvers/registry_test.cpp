@@ -200,8 +200,8 @@ TEST(Registry, BadValuesOfEveryKindAreNamed) {
   const std::vector<BadValues> all{
       {"ransac",
        "max_iterations",
-       {"", "x", "-1", "1.5", "1e3", " 1", "+1", "4294967296", "nan", "none", "true"},
-       "a whole number from 0 to 4294967295"},
+       {"", "x", "0", "-1", "1.5", "1e3", " 1", "+1", "4294967296", "nan", "none", "true"},
+       "a whole number from 1 to 4294967295"},
       {"sc2_pcr", "first_set", {"2", "65", "", "inf"}, "a whole number from 3 to 64"},
       {"tcf",
        "confidence",

@@ -65,7 +65,8 @@ std::vector<std::uint32_t> agreeing_rows(const Correspondences& correspondences,
 bool is_at_another_scale(const FinalPose& final) {
   const double difference = std::abs(final.scale - 1.0);
   if (!(final.scale_deviation > 0.0) || difference < kCalibration) return false;
-  const double deviations = difference / final.scale_deviation;
+  // Another scale is itself an error that the supporters share: the deviation is that of independent ones.
+  const double deviations = difference * std::sqrt(final.shared_errors) / final.scale_deviation;
   return deviations > kScaleDeviations &&
          2.0 * deviations * deviations > 3.0 * static_cast<double>(final.inliers.size());
 }
@@ -120,6 +121,7 @@ FinalPose finish(const Correspondences& correspondences, const PoseTest& test, B
   final.covariance = refined.covariance;
   final.scale = refined.scale;
   final.scale_deviation = refined.scale_deviation;
+  final.shared_errors = refined.shared_errors;
   final.centre = refined.centre;
   final.rotation_deviation = rotation_deviation(view, pose, tau, refined.sigma);
   final.log10_false_poses = false_poses + std::log10(std::max(test.bounds_tried, 1U));

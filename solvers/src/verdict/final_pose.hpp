@@ -26,6 +26,7 @@ struct FinalPose {
   PoseCovariance covariance = PoseCovariance::Zero();
   double scale = 1.0;            ///< of the sources, that would fit the supporters best
   double scale_deviation = 0.0;  ///< if the scale was unknown, relative to it
+  double shared_errors = 1.0;    ///< what errors that supporters share multiply its square by
   Eigen::Matrix<double, 3, 1, Eigen::DontAlign> centre =
       Eigen::Matrix<double, 3, 1, Eigen::DontAlign>::Zero();  ///< of the supporters' sources, working frame
 };

@@ -97,6 +97,7 @@ RefinedPose refine_within(const Correspondences& correspondences, const WorkingP
   const detail::ScaleFit scale = detail::fit_scale(moments, weight, refined.fit.pose, shared);
   refined.scale = scale.scale;
   refined.scale_deviation = scale.deviation;
+  refined.shared_errors = shared;
   refined.centre = scale.centre;
   return refined;
 }

@@ -27,6 +27,7 @@ struct RefinedPose {
   /// scale is known, and its standard deviation. 1 and 0 if `fit` is not determined.
   double scale = 1.0;
   double scale_deviation = 0.0;
+  double shared_errors = 1.0;  ///< what errors that supporters share multiply the variances by, 1 or more
   Eigen::Matrix<double, 3, 1, Eigen::DontAlign> centre =
       Eigen::Matrix<double, 3, 1, Eigen::DontAlign>::Zero();  ///< that mean, working frame
 };
