@@ -134,6 +134,8 @@ class Registration:
         ValueError where `covariance` is not positive definite: there is no pose, it was not estimated, or the sources
         are so far from their origin that lever arms leave no digits.
         """
+        if self.pose is None:
+            raise ValueError(f"there is no pose, so no edge: the status is {self.status}")
         return _core.edge_information(self.pose, self.covariance, library)
 
     def __repr__(self) -> str:

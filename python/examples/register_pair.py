@@ -53,15 +53,16 @@ result = consimd.register(source, target, arguments.noise_bound, arguments.solve
 print(result)
 for stage in result.stages:
     print(f"  {stage.name:<24} {stage.input:>7} -> {stage.output:<7} {1e3 * stage.seconds:8.3f} ms")
-if not result.has_pose:
+pose = result.pose
+if pose is None:
     raise SystemExit(f"no pose: {result.status}")
-print(np.array_str(result.pose, precision=4, suppress_small=True))
+print(np.array_str(pose, precision=4, suppress_small=True))
 if truth is not None:
-    rotation = consimd.synth.rotation_error_deg(result.pose, truth)
-    translation = consimd.synth.translation_error(result.pose, truth)
+    rotation = consimd.synth.rotation_error_deg(pose, truth)
+    translation = consimd.synth.translation_error(pose, truth)
     print(f"errors: rotation {rotation:.3f} deg, translation {translation:.3f} m")
 
-moved = source @ result.pose[:3, :3].T + result.pose[:3, 3]
+moved = source @ pose[:3, :3].T + pose[:3, 3]
 is_inlier = np.zeros(len(source), dtype=bool)
 is_inlier[result.inliers] = True
 

@@ -250,7 +250,8 @@ void bind_problems(nb::module_& module) {
       "write_problem", &synth::write_problem, nb::arg("problem"), nb::arg("folder"),
       nb::call_guard<nb::gil_scoped_release>(),
       "Writes correspondences.txt (N x 6), pose.txt (4 x 4), labels.txt and case.json to a folder, which is made if\n"
-      "missing, as `consimd generate` does: what the commands `register` and `compare` read. RuntimeError naming the path if it cannot.");
+      "missing, as `consimd generate` does: what the commands `register` and `compare` read. RuntimeError naming the "
+      "path if it cannot.");
 }
 
 }  // namespace consimd::python

@@ -42,7 +42,7 @@ def functions(library):
     names = set()
     for text in headers(library).values():
         for match in re.finditer(declaration, text, re.MULTILINE):
-            if not match[0].startswith(("static_assert", "return ", "using ", "#")):
+            if not match[0].startswith(("static_assert", "return ", "using ", "#", "struct ")):
                 names.add(match[1])
     return names
 

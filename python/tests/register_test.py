@@ -11,7 +11,7 @@ import consimd
 
 
 BAD_VALUES = [  # solver, option, expected, bad values of its type, and of others
-    ("ransac", "max_iterations", "a whole number from 0 to 4294967295", [-1, 2**32, 2**70], ["7", 1.5, None, True, [1]]),
+    ("ransac", "max_iterations", "a whole number from 1 to 4294967295", [0, -1, 2**32, 2**70], ["7", 1.5, None, True, [1]]),
     ("sc2_pcr", "first_set", "a whole number from 3 to 64", [0, 2, 65], ["", np.nan]),
     ("tcf", "confidence", "a number above 0 and below 1", [0.0, 1.0, 1, -1, np.nan, np.inf], ["high", "", None, True]),
     ("ransac", "confidence", "a number above 0 and below 1, or none", [0.0, 1.0, np.nan], ["none", False]),
@@ -33,8 +33,9 @@ def run_of(command, *arguments):
 def assert_same(result, run):
     """To the last bit: JSON numbers have the digits that read back as the same double."""
     assert result.status == run["status"]
-    assert result.pose.tolist() == run["T_target_source"]
-    assert result.covariance.tolist() == run["covariance"]
+    assert (None if result.pose is None else result.pose.tolist()) == run["T_target_source"]
+    if result.pose is not None:
+        assert result.covariance.tolist() == run["covariance"]
     assert result.inliers.tolist() == run["inliers"]
     assert result.noise_bound == run["noise_bound"]
     assert result.log10_false_poses == run["log10_false_poses"]
@@ -116,7 +117,7 @@ def test_information_of_an_edge(problem):
         assert np.linalg.norm(information - expected) < 1e-6 * np.linalg.norm(expected)
     with pytest.raises(ValueError, match="library is 'ceres', expected one of: gtsam, g2o, open3d"):
         result.edge_information("ceres")
-    with pytest.raises(ValueError, match="covariance is zero"):
+    with pytest.raises(ValueError, match="there is no pose"):
         consimd.register(problem.source[:2], problem.target[:2], 1.5).edge_information("gtsam")
 
 

@@ -194,8 +194,7 @@ TEST(MaximumClique, BudgetOfWordsIsKeptAndReported) {
   const BitGraph graph = random_graph(700, 0.6, 5);
   const MaximumClique unlimited = maximum_clique(graph, {.max_nodes = 2000});
   std::size_t former = 0;
-  for (const std::uint64_t max_work :
-       {std::uint64_t{1}, unlimited.work / 100, unlimited.work / 4, unlimited.work}) {
+  for (const std::uint64_t max_work : {std::uint64_t{1}, unlimited.work / 100, unlimited.work / 4, unlimited.work}) {
     const MaximumClique clique = maximum_clique(graph, {.max_nodes = 2000, .max_work = max_work});
     EXPECT_FALSE(clique.proven);
     EXPECT_TRUE(is_clique(graph, clique.members));

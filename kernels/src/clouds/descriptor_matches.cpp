@@ -56,9 +56,8 @@ double FixedPointDescriptors::unit_for(double largest_norm, std::size_t length) 
 }
 
 FixedPointDescriptors::FixedPointDescriptors(std::span<const float> values, std::size_t length, double unit)
-    : length_(length), pairs_((length + 1) / 2), unit_(unit) {
+    : size_(length == 0 ? 0 : values.size() / length), length_(length), pairs_((length + 1) / 2), unit_(unit) {
   require_length(length);
-  size_ = values.size() / length;
   detail::require_size("values", values.size(), size_ * length);
   if (!std::isfinite(unit) || unit <= 0.0) {
     throw std::invalid_argument("unit is " + std::to_string(unit) + ", expected a finite number above 0");
