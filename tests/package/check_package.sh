@@ -108,7 +108,7 @@ for library in "$work-shared"/prefix/lib*/libconsimd_*.so "$work-shared"/prefix/
   [[ $soname =~ ^libconsimd_[a-z]+\.so\.[0-9]+\.[0-9]+$ ]] || fail "$library has the soname '$soname'"
   [[ -e $(dirname "$library")/$soname ]] || fail "$soname is not installed"
 done
-((${#libraries[@]} == 5)) || fail "expected five shared libraries, found ${#libraries[@]}"
+((${#libraries[@]} == 6)) || fail "expected six shared libraries, found ${#libraries[@]}"
 
 say "what the installed binaries load, and how they are hardened"
 quietly python3 -I "$root/tools/check_binaries.py" --hardened "$static/prefix" "$work-shared/prefix"
