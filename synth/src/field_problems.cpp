@@ -198,7 +198,7 @@ Problem symmetric_part(const SymmetricPartOptions& o) {
     const Eigen::Vector3d first = streams.points.in_box(Eigen::Vector3d::Constant(o.half_extent));
     std::vector<Eigen::Vector3d> targets;
     for (std::size_t fold = 0; fold < o.folds; ++fold) {
-      targets.push_back(motion * (turn(fold) * first) + o.sigma * streams.noise.gaussian_vector());
+      targets.emplace_back(motion * (turn(fold) * first) + o.sigma * streams.noise.gaussian_vector());
     }
     for (std::size_t from = 0; from < o.folds; ++from) {
       for (std::size_t to = 0; to < o.folds; ++to) rows.push_back({turn(from) * first, targets[to], from == to});

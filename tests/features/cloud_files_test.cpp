@@ -145,7 +145,7 @@ std::vector<File> files() {
 class CloudFiles : public ::testing::Test {
  protected:
   std::filesystem::path write(const std::string& name, std::string_view bytes) {
-    const std::filesystem::path path = folder_ / name;
+    std::filesystem::path path = folder_ / name;
     std::ofstream(path, std::ios::binary) << bytes;
     return path;
   }
