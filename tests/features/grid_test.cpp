@@ -110,7 +110,9 @@ TEST(CellGrid, NamesWhatIsWrong) {
 
 TEST(Resolution, IsTheSpacingOfALattice) {
   Points lattice;
-  for (int i = 0; i < 4096; ++i) lattice.push_back({5e6 + 0.25 * (i % 64), 0.25 * (i / 64), 3.0});
+  for (int i = 0; i < 64; ++i) {
+    for (int j = 0; j < 64; ++j) lattice.push_back({5e6 + 0.25 * j, 0.25 * i, 3.0});
+  }
   EXPECT_NEAR(features::resolution(CellGrid(cloud_of(lattice), 1.0)), 0.25, 1e-5);
   EXPECT_TRUE(std::isinf(features::resolution(CellGrid(cloud_of(lattice), 0.2))));
 }

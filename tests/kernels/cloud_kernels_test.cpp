@@ -352,8 +352,8 @@ TEST(FixedPointDescriptors, NameWhatIsWrong) {
   EXPECT_THROW(FixedPointDescriptors(values, 33, std::nan("")), std::invalid_argument);
   values[40] = std::numeric_limits<float>::quiet_NaN();
   try {
-    FixedPointDescriptors(values, 33, 1.0);
-    FAIL();
+    const FixedPointDescriptors refused(values, 33, 1.0);
+    FAIL() << refused.size();
   } catch (const std::invalid_argument& error) {
     EXPECT_NE(std::string(error.what()).find("descriptor 1: component 7"), std::string::npos) << error.what();
   }
