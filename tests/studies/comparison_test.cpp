@@ -169,6 +169,7 @@ TEST(RunRecord, ReadsBackTheSameBits) {
   line.pop_back();
   EXPECT_EQ(parse_run_row(line), run);
   RunRecord none = run;
+  none.success = false;
   none.rotation_error_deg = none.translation_error = std::nan("");
   line = to_csv_row(none);
   line.pop_back();
