@@ -170,7 +170,7 @@ TEST(RunRecord, ReadsBackTheSameBits) {
   EXPECT_EQ(parse_run_row(line), run);
   RunRecord none = run;
   none.success = false;
-  none.rotation_error_deg = none.translation_error = std::nan("");
+  none.rotation_error_deg = none.translation_error = none.scale_error = std::nan("");
   line = to_csv_row(none);
   line.pop_back();
   EXPECT_FALSE(parse_run_row(line).has_pose());
