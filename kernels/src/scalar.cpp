@@ -5,19 +5,10 @@
 #include <limits>
 
 #include "kernel_table.hpp"
+#include "scalar_terms.hpp"
 
 namespace consimd::detail::scalar {
 namespace {
-
-struct Point {
-  float x, y, z;
-};
-
-Point operator-(Point a, Point b) { return {a.x - b.x, a.y - b.y, a.z - b.z}; }
-Point operator+(Point a, Point b) { return {a.x + b.x, a.y + b.y, a.z + b.z}; }
-Point operator*(float s, Point a) { return {s * a.x, s * a.y, s * a.z}; }
-float dot(Point a, Point b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
-Point cross(Point a, Point b) { return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x}; }
 
 Point source(const RawView& view, std::size_t j) { return {view.source[0][j], view.source[1][j], view.source[2][j]}; }
 Point target(const RawView& view, std::size_t j) { return {view.target[0][j], view.target[1][j], view.target[2][j]}; }
@@ -170,23 +161,6 @@ auto aligned_by(const RawView& view, const WorkingPose& pose, float bound) {
     return squared_residual(pose, source(view, j), target(view, j)) < squared;
   };
 }
-
-/// Sum of terms 0, 1, 2, ... in 16 interleaved partial sums, joined pairwise: the order that a register of 16 lanes, or
-/// several of fewer, can follow.
-struct InterleavedSum {
-  float lanes[16] = {};
-
-  void add(std::size_t j, float term) { lanes[j % 16] += term; }
-
-  float total() const {
-    float sum[16];
-    for (int l = 0; l < 16; ++l) sum[l] = lanes[l];
-    for (int half = 8; half > 0; half /= 2) {
-      for (int l = 0; l < half; ++l) sum[l] += sum[l + half];
-    }
-    return sum[0];
-  }
-};
 
 void alignment_counts(const RawView& view, const WorkingPose* poses, std::size_t n, float bound,
                       std::uint32_t* counts) {

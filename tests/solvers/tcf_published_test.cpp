@@ -53,10 +53,14 @@ TEST(TcfPublishedVerdict, NoPoseIsNoSuccess) {
 
 TEST(TcfPublishedVerdict, EndsBeforeItsStagesWhereNoPoseCanBe) {
   const std::vector<double> same(3 * 5000, 1.0);
-  // Along an axis: about another line, moments in single precision have width.
-  std::vector<double> line;
-  for (int k = 0; k < 5000; ++k) line.insert(line.end(), {1.0 * k, 0.0, 0.0});
-  for (const std::vector<double>& points : {same, line}) {
+  // Of the two lines single precision holds one exactly; the other it rounds.
+  std::vector<double> exact;
+  std::vector<double> rounded;
+  for (int k = 0; k < 5000; ++k) {
+    exact.insert(exact.end(), {1.0 * k, 2.0 * k, -3.0 * k});
+    rounded.insert(rounded.end(), {1e5 + k / 3.0, 7.0 - k / 7.0, k / 11.0});
+  }
+  for (const std::vector<double>& points : {same, exact, rounded}) {
     const auto span = PointSpan<double>::interleaved(points.data(), points.size() / 3);
     const Registration result = register_tcf_published({span, span}, {.noise_bound = 0.3});
     EXPECT_EQ(result.status, Status::degenerate_geometry);

@@ -1,37 +1,13 @@
 // The specification of the kernels on clouds and descriptors, as plain loops; see ../scalar.cpp.
 #include <cmath>
 
+#include "../scalar_terms.hpp"
 #include "cloud_kernels.hpp"
 
 namespace consimd::detail::scalar {
 namespace {
 
-struct Point {
-  float x, y, z;
-};
-
-Point operator-(Point a, Point b) { return {a.x - b.x, a.y - b.y, a.z - b.z}; }
-Point operator*(float s, Point a) { return {s * a.x, s * a.y, s * a.z}; }
-float dot(Point a, Point b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
-Point cross(Point a, Point b) { return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x}; }
-
 Point at(const float* const rows[3], std::size_t i) { return {rows[0][i], rows[1][i], rows[2][i]}; }
-
-/// Terms 0, 1, 2, ... in 16 interleaved partial sums, joined pairwise.
-struct InterleavedSum {
-  float lanes[16] = {};
-
-  void add(std::size_t j, float term) { lanes[j % 16] += term; }
-
-  float total() const {
-    float sum[16];
-    for (int l = 0; l < 16; ++l) sum[l] = lanes[l];
-    for (int half = 8; half > 0; half /= 2) {
-      for (int l = 0; l < half; ++l) sum[l] += sum[l + half];
-    }
-    return sum[0];
-  }
-};
 
 }  // namespace
 

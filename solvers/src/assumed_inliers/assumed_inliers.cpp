@@ -39,7 +39,7 @@ struct Cloud {
     scatter += point * point.transpose();
   }
 
-  // Of rows whose residuals have this deviation per axis, working frame.
+  // What the points determine. `sigma`: deviation of a residual per axis, working frame.
   [[nodiscard]] PointGeometry geometry(double count, double sigma) const {
     const Eigen::Vector3d axes =
         Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(scatter - sum * sum.transpose() / count).eigenvalues();

@@ -24,7 +24,7 @@ inline constexpr double kManyRows = 4.0;
 /// mismatch.
 class MatchedPoints {
  public:
-  /// Of the rows within `bound` (caller's unit) of the pose. Holds none unless many_to_many(view).
+  /// Takes the pairs of the rows within `bound` (caller's unit) of the pose; none unless many_to_many(view).
   MatchedPoints(const CorrespondenceView& view, const WorkingPose& pose, double bound);
 
   [[nodiscard]] bool empty() const noexcept { return pairs_.empty(); }

@@ -42,10 +42,24 @@ double rotation_deviation(const CorrespondenceView& view, const WorkingPose& pos
 }
 
 bool coincident_or_collinear(const Correspondences& correspondences) {
-  const double bound = kEverything / correspondences.scale();
-  const RigidMoments all = robust_moments(correspondences.view(), to_working_pose(RigidTransform::Identity()),
-                                          {WeightFunction::truncated, bound, bound, 0.0});
-  return rotation_deviation(all, kResolution) > kLargestRotationDeviation;
+  // In double precision: sums of the kernels, in single, would give a line some width.
+  const CorrespondenceView view = correspondences.view();
+  double count = 0.0;
+  Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+  Eigen::Matrix3d squares = Eigen::Matrix3d::Zero();
+  for (std::size_t k = 0; k < view.size(); ++k) {
+    const Eigen::Vector3d point(view.source(0)[k], view.source(1)[k], view.source(2)[k]);
+    if (!point.allFinite()) continue;
+    count += 1.0;
+    sum += point;
+    squares += point * point.transpose();
+  }
+  if (count < 3.0) return true;
+  const Eigen::Vector3d axes =
+      Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(squares - sum * sum.transpose() / count).eigenvalues();
+  // What rounding adds across the line, two axes of it, is no information.
+  const double across = axes[0] + axes[1] - 2.0 * count * kResolution * kResolution;
+  return kResolution > kLargestRotationDeviation * std::sqrt(std::max(across, 0.0));
 }
 
 std::vector<std::uint32_t> rows_agreeing_with(const Correspondences& correspondences, const IndexTriple& triple,

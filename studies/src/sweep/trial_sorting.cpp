@@ -52,7 +52,7 @@ void sort_in_memory(const fs::path& path, const TrialTable& table, const Take& t
     const std::size_t slot = table.slot_of(record);
     records.emplace_back(slot, std::move(record));
   });
-  // Of two records of a trial the first counts, as in a table.
+  // The first of two records of a trial counts, as in a table.
   std::ranges::stable_sort(records, {}, [](const auto& record) { return record.first; });
   for (std::size_t i = 0; i < records.size(); ++i) {
     if (i == 0 || records[i].first != records[i - 1].first) take(records[i].second);

@@ -28,7 +28,7 @@ struct CloudMatchingOptions {
   /// Points of each cloud, drawn at random, that are described and matched; all where not given.
   std::optional<std::size_t> keypoints = 5000;
   MatchOptions matches = {};
-  /// Of the draw of the points.
+  /// Which points are drawn depends on it and on nothing else.
   std::uint64_t seed = 1;
   /// Where the scans were taken from, each in its cloud's frame (see normals.hpp).
   std::optional<std::array<double, 3>> source_viewpoint = std::array<double, 3>{0.0, 0.0, 0.0};

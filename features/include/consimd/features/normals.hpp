@@ -11,7 +11,7 @@
 namespace consimd::features {
 
 struct NormalOptions {
-  /// Of the neighbourhood whose plane is taken; caller's unit, > 0, at most the grid's cell.
+  /// Radius of the neighbourhood whose plane gives the normal; caller's unit, > 0, at most the grid's cell.
   double radius = 0.0;
   /// Where the scan was taken from, in the caller's frame: normals point towards it. None: of a normal's components the
   /// last that is not 0 is positive, which two scans agree on only where they are upright.

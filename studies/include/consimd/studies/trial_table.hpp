@@ -54,7 +54,7 @@ class TrialTable {
   /// of this study or shard.
   void put(TrialRecord record);
 
-  // Of a table that keeps records.
+  // What only a table that keeps records has.
 
   /// Calls `take` with every record that is there, in order.
   void for_each(const std::function<void(const TrialRecord&)>& take) const;
