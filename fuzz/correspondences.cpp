@@ -1,6 +1,7 @@
 // Files of correspondences.
 #include <consimd/synth/problem_files.hpp>
 
+#include <algorithm>
 #include <cmath>
 
 #include "byte_file.hpp"
@@ -14,8 +15,9 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     const CorrespondenceView view = read.view();
     for (std::size_t axis = 0; axis < 3; ++axis) {
       for (std::size_t k = 0; k < view.padded_size(); ++k) {
-        fuzz::require(std::isfinite(view.source(axis)[k]) == (k < view.size()), "finite rows, padded with NaN");
-        fuzz::require(std::isfinite(view.target(axis)[k]) == (k < view.size()), "finite rows, padded with NaN");
+        const bool is_near = k < view.size() && !std::ranges::binary_search(read.far_rows(), k);
+        fuzz::require(std::isfinite(view.source(axis)[k]) == is_near, "finite rows, far ones and padding NaN");
+        fuzz::require(std::isfinite(view.target(axis)[k]) == is_near, "finite rows, far ones and padding NaN");
       }
     }
   });

@@ -5,20 +5,21 @@
 #include <cmath>
 #include <limits>
 #include <numbers>
-#include <span>
 #include <vector>
 
 #include "call/option_checks.hpp"
-#include "support/points.hpp"
 #include "support/pose_candidate.hpp"
 #include "verdict/kept_structure.hpp"
 #include "verdict/pairing_chances.hpp"
 #include "verdict/pose_test.hpp"
+#include "verdict/supporters.hpp"
 
 namespace consimd {
 namespace {
 
 using detail::kTestedBounds;
+using detail::Supports;
+using detail::supports;
 
 // Supporters closer than this, in noise bounds, count once; where outliers move as one over longer distances, those.
 constexpr double kLeastRadius = 1.75;
@@ -45,22 +46,6 @@ constexpr double kSafety = 4.0;
 // ln of false poses from which on a first glance is enough.
 constexpr double kEnough = detail::kBeyondDoubt * std::numbers::ln10;
 
-std::vector<std::uint32_t> spread_rows(const CorrespondenceView& view, std::span<const std::uint32_t> supporters,
-                                       double radius) {
-  const double limit = radius * view.scale() * radius * view.scale();
-  std::vector<detail::Point> kept;
-  std::vector<std::uint32_t> rows;
-  for (const std::uint32_t row : supporters) {
-    const detail::Point p = detail::source_point(view, row);
-    const bool repeats =
-        std::ranges::any_of(kept, [&](const detail::Point& q) { return squared_distance(p, q) < limit; });
-    if (repeats) continue;
-    kept.push_back(p);
-    rows.push_back(row);
-  }
-  return rows;
-}
-
 // ln P[Binomial(n, p) >= k], k above the mean, by the exponential bound of Chernoff with the factor of Bahadur and Rao.
 double log_binomial_tail(double n, double k, double p) {
   if (k <= n * p) return 0.0;
@@ -75,22 +60,6 @@ double log_binomial_tail(double n, double k, double p) {
 
 // ln of the number of triples of n.
 double log_triples(double n) { return std::log(std::max(n * (n - 1.0) * (n - 2.0) / 6.0, 1.0)); }
-
-// Supporters at one of the tested bounds.
-struct Support {
-  double count = 0.0;
-  double spread = 0.0;  // of them, further apart than the radius
-};
-using Supports = std::array<Support, kTestedBounds.size()>;
-
-Supports supports(const CorrespondenceView& view, const WorkingPose& pose, double noise_bound, double radius) {
-  Supports result;
-  for (std::size_t b = 0; b < kTestedBounds.size(); ++b) {
-    const std::vector<std::uint32_t> rows = detail::pose_inliers(view, pose, kTestedBounds[b] * noise_bound);
-    result[b] = {static_cast<double>(rows.size()), static_cast<double>(spread_rows(view, rows, radius).size())};
-  }
-  return result;
-}
 
 // Chances at each of the tested bounds.
 struct Chances {
