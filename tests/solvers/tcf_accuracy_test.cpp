@@ -103,8 +103,11 @@ INSTANTIATE_TEST_SUITE_P(
     Cases, TcfHardProblem,
     ::testing::Values(
         HardCase{"permuted", {.outliers = synth::OutlierModel::permuted}},
-        // Beyond these ratios three clusters laid onto three have more support than the truth.
-        HardCase{"clustered", {.outliers = synth::OutlierModel::clustered}, {0.0, 0.5, 0.9}},
+        // From 95 % on three clusters laid onto three have more support than the truth.
+        HardCase{"clustered", {.outliers = synth::OutlierModel::clustered}, {0.0, 0.5, 0.9, 0.95}},
+        HardCase{"wide_clusters",
+                 {.outliers = synth::OutlierModel::clustered, .clusters = 3, .cluster_sigma = 6.0},
+                 {0.5, 0.9, 0.95}},
         HardCase{"clustered_little_noise", {.sigma = 0.1, .outliers = synth::OutlierModel::clustered}},
         HardCase{"many_clusters", {.outliers = synth::OutlierModel::clustered, .clusters = 50}, {0.0, 0.5, 0.9, 0.95}},
         HardCase{"one_to_many", {.outliers = synth::OutlierModel::one_to_many}},

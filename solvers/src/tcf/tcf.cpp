@@ -1,13 +1,55 @@
 #include <consimd/solvers/tcf.hpp>
 
+#include <cmath>
+
 #include "call/solver_call.hpp"
 #include "search/consensus_search.hpp"
+#include "support/independent_rows.hpp"
+#include "support/pose_candidate.hpp"
 #include "tcf/tcf_options.hpp"
 #include "tcf/tuned_tcf.hpp"
 #include "verdict/final_pose.hpp"
 
 namespace consimd {
 namespace {
+
+// What is matched cluster to cluster moves as one over about so many noise bounds: beyond, rows are independent.
+constexpr double kIndependent = 3.0;
+// Without a tenth of dependent rows, a search among the others would be the one that was.
+constexpr double kFewDependent = 0.9;
+
+// The better of two searches has had two tries at being significant.
+constexpr double kSearches = 2.0;
+
+// A pose and what it is worth.
+struct Judged {
+  detail::BestPoses poses;
+  detail::FinalPose final;
+};
+
+// The support of clusters outweighs that of a pose whose supporters are few but far apart. Among independent rows it
+// does not: the best poses of a search among them are held against what was found, and the most significant stays.
+void search_independent_rows(const Correspondences& correspondences, const detail::ConsensusSearchOptions& options,
+                             const detail::PoseTest& test, Judged& judged) {
+  const std::vector<std::uint32_t> rows =
+      detail::independent_rows(correspondences.view(), kIndependent * test.noise_bound);
+  if (rows.size() < 3 || static_cast<double>(rows.size()) > kFewDependent * static_cast<double>(correspondences.size()))
+    return;
+  const Correspondences independent = correspondences.subset(rows);
+  detail::ConsensusSearch search(independent, options);
+  search.run(false);
+  const detail::BestPoses former = judged.poses;
+  for (const detail::PoseCandidate& found : {search.poses().best(), search.poses().runner_up()}) {
+    if (found.support.count < 3) continue;
+    detail::BestPoses poses = former;
+    poses.promote(detail::scored(correspondences.view(), found.pose, test.noise_bound));
+    detail::FinalPose final = detail::finish(correspondences, test, poses);
+    final.log10_false_poses += std::log10(kSearches);
+    if (final.log10_false_poses >= judged.final.log10_false_poses) continue;
+    final.was_runner_up = true;
+    judged = {poses, final};
+  }
+}
 
 void solve(const Correspondences& correspondences, const TcfOptions& options, const detail::TcfTuning& tuning,
            Registration& result) {
@@ -21,17 +63,21 @@ void solve(const Correspondences& correspondences, const TcfOptions& options, co
   const detail::PoseTest test = {options.noise_bound, options.bounds_tried};
   detail::ConsensusSearch search(correspondences, search_options);
   double refinement_seconds = 0.0;
-  detail::BestPoses poses(correspondences, options.noise_bound);
-  detail::FinalPose final;
+  Judged judged{detail::BestPoses(correspondences, options.noise_bound), {}};
   for (const bool exhaustive : {false, true}) {
     search.run(exhaustive);
     const detail::StageClock refinement_clock(refinement_seconds);
-    if (search.best().support.count >= 3) {
-      poses = search.poses();
-      final = detail::finish(correspondences, test, poses, detail::Refinement::full, search.settled());
+    if (search.best().support.count < 3) continue;
+    detail::BestPoses poses = search.poses();
+    const detail::FinalPose final =
+        detail::finish(correspondences, test, poses, detail::Refinement::full, search.settled());
+    if (!exhaustive || final.log10_false_poses < judged.final.log10_false_poses) judged = {poses, final};
+    if (!exhaustive && final.log10_false_poses >= detail::kSignificant) {
+      search_independent_rows(correspondences, search_options, test, judged);
     }
-    if (final.log10_false_poses < detail::kSignificant) break;
+    if (judged.final.log10_false_poses < detail::kSignificant) break;
   }
+  const auto& [poses, final] = judged;
 
   detail::conclude(correspondences, test, poses, search.best_set(), final, search.confident(), result);
   const detail::SeedSets& sets = search.sets();

@@ -20,10 +20,10 @@ constexpr double kCalibration = 0.02;
 constexpr double kScaleDeviations = 5.0;
 
 // A close look at a pose that a glance leaves in doubt.
-double significance_if_doubtful(const Correspondences& correspondences, const WorkingPose& pose, double noise_bound) {
-  const Significance glance = significance(correspondences, pose, noise_bound, Scrutiny::glance);
+double significance_if_doubtful(const Correspondences& correspondences, const PoseTest& test, const WorkingPose& pose) {
+  const Significance glance = significance(correspondences, pose, test.noise_bound, Scrutiny::glance);
   if (glance.log10_false_poses < kBeyondDoubt) return glance.log10_false_poses;
-  return significance(correspondences, pose, noise_bound).log10_false_poses;
+  return test.log10_false_poses(correspondences, pose);
 }
 
 // The runner-up, brought into place like the best pose was; none if it is no other motion then.
@@ -34,7 +34,7 @@ std::optional<RunnerUp> runner_up(const Correspondences& correspondences, const 
   if (poses.same_motion_as_best(rival.pose)) return std::nullopt;
   const double log10_false_poses =
       is_rival(rival.support.count, poses.best().support.count)
-          ? significance_if_doubtful(correspondences, rival.pose, test.noise_bound)
+          ? significance_if_doubtful(correspondences, test, rival.pose)
           : significance(correspondences, rival.pose, test.noise_bound, Scrutiny::glance).log10_false_poses;
   return RunnerUp{to_caller_frame(from_working_pose(rival.pose), correspondences), rival.support.count,
                   log10_false_poses};
@@ -47,9 +47,9 @@ double lead(const Correspondences& correspondences, const PoseTest& test, const 
   const WorkingPose other = to_working_pose(to_working_frame(rival.T_target_source, correspondences));
   const std::vector<std::uint32_t> rows = pose_inliers(correspondences.view(), other, test.noise_bound);
   const auto shared = std::ranges::count_if(rows, [&](std::uint32_t row) { return poses.best_explains(row); });
-  const double of_best = significance(correspondences, poses.best().pose, test.noise_bound).log10_false_poses;
+  const double of_best = test.log10_false_poses(correspondences, poses.best().pose);
   if (2 * static_cast<std::size_t>(shared) > rows.size()) return of_best;
-  return of_best - std::min(0.0, significance(correspondences, other, test.noise_bound).log10_false_poses);
+  return of_best - std::min(0.0, test.log10_false_poses(correspondences, other));
 }
 
 // Rows that agree in length with three of the supporters.
@@ -73,14 +73,15 @@ bool is_at_another_scale(const FinalPose& final) {
 
 // Brings the best pose and the runner-up into place and lets the more significant of them be the best pose, which
 // `log10_false_poses` is told of. Returns whether it was the runner-up.
-bool most_significant(const Correspondences& correspondences, double noise_bound, Refinement refinement,
+bool most_significant(const Correspondences& correspondences, const PoseTest& test, Refinement refinement,
                       BestPoses& poses, double& log10_false_poses) {
+  const double noise_bound = test.noise_bound;
   if (refinement == Refinement::full) poses.promote(widely_optimise(correspondences, poses.best(), noise_bound));
-  log10_false_poses = significance_if_doubtful(correspondences, poses.best().pose, noise_bound);
+  log10_false_poses = significance_if_doubtful(correspondences, test, poses.best().pose);
   if (log10_false_poses < kBeyondDoubt || poses.runner_up().support.count < 3) return false;
   const PoseCandidate rival = widely_optimise(correspondences, poses.runner_up(), noise_bound);
   if (poses.same_motion_as_best(rival.pose)) return false;
-  const double of_rival = significance(correspondences, rival.pose, noise_bound).log10_false_poses;
+  const double of_rival = test.log10_false_poses(correspondences, rival.pose);
   if (of_rival >= log10_false_poses) return false;
   log10_false_poses = of_rival;
   poses.promote(rival);
@@ -98,7 +99,7 @@ FinalPose finish(const Correspondences& correspondences, const PoseTest& test, B
   if (glance) {
     false_poses = glance->log10_false_poses;
   } else {
-    final.was_runner_up = most_significant(correspondences, tau, refinement, poses, false_poses);
+    final.was_runner_up = most_significant(correspondences, test, refinement, poses, false_poses);
   }
   const PoseCandidate& best = poses.best();
   RefinedPose refined;

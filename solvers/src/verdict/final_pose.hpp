@@ -22,7 +22,7 @@ struct FinalPose {
   double rotation_deviation = 0.0;
   double log10_false_poses = 0.0;
   std::uint32_t rounds = 0;
-  bool was_runner_up = false;
+  bool was_runner_up = false;  ///< or else another than the best pose of the search
   PoseCovariance covariance = PoseCovariance::Zero();
   double scale = 1.0;            ///< of the sources, that would fit the supporters best
   double scale_deviation = 0.0;  ///< if the scale was unknown, relative to it

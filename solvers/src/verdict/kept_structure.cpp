@@ -6,11 +6,11 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
-#include <limits>
+#include <cstddef>
+#include <cstdint>
 #include <numeric>
 #include <utility>
 
-#include "sampling/counter_random.hpp"
 #include "support/points.hpp"
 
 namespace consimd::detail {
@@ -20,7 +20,7 @@ namespace {
 // origin and from the centroid.
 enum class Coordinate : std::uint8_t { least, middle, greatest, range, from_centroid };
 constexpr std::size_t kCoordinates = 5;
-constexpr std::size_t position(Coordinate c) { return static_cast<std::size_t>(c); }
+constexpr std::size_t index_of(Coordinate c) { return static_cast<std::size_t>(c); }
 
 // Some of them.
 struct Kept {
@@ -49,18 +49,6 @@ constexpr std::array kTelling{kept(Coordinate::least), kept(Coordinate::range), 
 constexpr std::size_t kSampledRows = 512;
 constexpr std::size_t kSampledStratumRows = 16;
 
-// Of the coherence of outliers: steps of the distance, the lift over chance from which correspondences move as one, and
-// how many pairs a step needs.
-constexpr double kStep = 0.5;  // in noise bounds
-constexpr std::size_t kSteps = 7;
-constexpr double kCoherentLift = 2.5;
-constexpr double kLeastPairs = 20.0;
-constexpr std::uint32_t kLookedAt = 256;
-constexpr std::uint32_t kRandomPairs = 8192;
-
-// Draws are the same whatever the caller's seed is: a pose has one significance.
-constexpr std::uint64_t kFixedSeed = 0;
-
 // Bits of a number, ascending as the numbers are.
 std::uint32_t ascending_bits(float x) {
   const auto bits = std::bit_cast<std::uint32_t>(x);
@@ -80,11 +68,12 @@ void sort_by_key(std::vector<std::uint32_t>& order, std::size_t keys, const Key&
 
 // One coordinate of the sources.
 struct Axis {
+  std::vector<float> values;
   std::vector<std::uint32_t> order;  // of the values, ascending
   double spread = 0.0;               // of the middle four fifths of them
 };
 
-Axis axis_of(const std::vector<float>& values) {
+Axis axis_of(std::vector<float> values) {
   constexpr unsigned kBits = 11;
   constexpr std::size_t kKeys = 1U << kBits;
   std::vector<std::uint32_t> bits(values.size());
@@ -98,8 +87,15 @@ Axis axis_of(const std::vector<float>& values) {
   const std::size_t tenth = values.size() / 10;
   axis.spread = static_cast<double>(values[axis.order[values.size() - 1 - tenth]]) -
                 static_cast<double>(values[axis.order[tenth]]);
+  axis.values = std::move(values);
   return axis;
 }
+
+// Positions of rows stratum by stratum, and where each of these begins; one more: the end.
+struct Partition {
+  std::vector<std::uint32_t> order;
+  std::vector<std::uint32_t> first;
+};
 
 // Into how many slabs each of the axes is cut, so that cells of about `rows` rows are about as long in all of them.
 std::vector<std::size_t> slabs(std::span<const Axis* const> axes, std::size_t size, std::size_t rows) {
@@ -115,10 +111,11 @@ std::vector<std::size_t> slabs(std::span<const Axis* const> axes, std::size_t si
 }
 
 // Strata of at most `largest` rows that agree in the axes: slabs of equal number along the first, each cut into such
-// along the second, and so on. `rows`: what the axes' positions stand for.
-Strata strata_along(std::span<const Axis* const> axes, const std::vector<std::uint32_t>& rows, std::size_t largest) {
-  const std::vector<std::size_t> cuts = slabs(axes, rows.size(), largest);
-  std::vector<std::uint32_t> cell(rows.size());
+// along the second, and so on.
+Partition cut_into_slabs(std::span<const Axis* const> axes, std::size_t largest) {
+  const std::size_t size = axes.front()->order.size();
+  const std::vector<std::size_t> cuts = slabs(axes, size, largest);
+  std::vector<std::uint32_t> cell(size);
   std::size_t cells = 1;
   std::vector<std::uint32_t> order;
   std::vector<std::uint32_t> first;
@@ -145,111 +142,72 @@ Strata strata_along(std::span<const Axis* const> axes, const std::vector<std::ui
     cells *= cuts[a];
   }
   first.push_back(static_cast<std::uint32_t>(order.size()));
-  for (std::uint32_t& i : order) i = rows[i];
   return {std::move(order), std::move(first)};
 }
 
-// Moved sources, sources and targets of a stratum, coordinate by coordinate.
-struct StratumPoints {
-  std::array<std::array<float, kStratumRows>, 3> moved;
-  std::array<std::array<float, kStratumRows>, 3> source;
-  std::array<std::array<float, kStratumRows>, 3> target;
-};
-
-float squared(float x, float y, float z) { return x * x + y * y + z * z; }
-
-}  // namespace
-
-Strata::Strata(std::vector<std::uint32_t> rows, std::vector<std::uint32_t> first)
-    : rows_(std::move(rows)), first_(std::move(first)) {
-  stratum_of_.reserve(rows_.size());
-  for (std::uint32_t s = 0; s + 1 < first_.size(); ++s) {
-    stratum_of_.insert(stratum_of_.end(), first_[s + 1] - first_[s], s);
+// Halves rows at the median of their widest coordinate until strata are left.
+class Halving {
+ public:
+  Halving(std::span<const Axis* const> axes, std::size_t largest)
+      : axes_(axes.begin(), axes.end()), largest_(largest), upper_(axes_.front()->order.size()) {
+    for (const Axis* axis : axes_) orders_.push_back(axis->order);
+    if (!upper_.empty()) split(0, upper_.size());
+    first_.push_back(static_cast<std::uint32_t>(upper_.size()));
   }
-}
 
-PairingHits Strata::support(const CorrespondenceView& view, const WorkingPose& pose, double bound, double apart,
-                            const MatchedPoints& matched) const {
-  const auto limit = static_cast<float>(bound * view.scale() * bound * view.scale());
-  const auto far = static_cast<float>(apart * view.scale() * apart * view.scale());
-  PairingHits result;
-  StratumPoints points;
-  std::array<float, kStratumRows> residual{};
-  std::array<float, kStratumRows> distance{};
-  for (std::size_t s = 0; s + 1 < first_.size(); ++s) {
-    const std::size_t size = first_[s + 1] - first_[s];
-    for (std::size_t i = 0; i < size; ++i) {
-      const std::uint32_t row = rows_[first_[s] + i];
-      const Point p = source_point(view, row);
-      const Point m = moved(pose, p);
-      const Point q = target_point(view, row);
-      for (const auto& [to, from] : {std::pair(&points.source, p), {&points.moved, m}, {&points.target, q}}) {
-        (*to)[0][i] = from.x;
-        (*to)[1][i] = from.y;
-        (*to)[2][i] = from.z;
+  [[nodiscard]] Partition partition() && { return {std::move(orders_.front()), std::move(first_)}; }
+
+ private:
+  void split(std::size_t begin, std::size_t end) {
+    if (end - begin <= largest_) {
+      first_.push_back(static_cast<std::uint32_t>(begin));
+      return;
+    }
+    std::size_t widest = 0;
+    float largest = -1.0F;
+    for (std::size_t a = 0; a < axes_.size(); ++a) {
+      const float extent = axes_[a]->values[orders_[a][end - 1]] - axes_[a]->values[orders_[a][begin]];
+      if (extent > largest) {
+        largest = extent;
+        widest = a;
       }
     }
-    for (std::size_t i = 0; i < size; ++i) {
-      int mates = 0;
-      int hits = 0;
-      for (std::size_t j = 0; j < size; ++j) {
-        residual[j] = squared(points.moved[0][i] - points.target[0][j], points.moved[1][i] - points.target[1][j],
-                              points.moved[2][i] - points.target[2][j]);
-        distance[j] = squared(points.source[0][i] - points.source[0][j], points.source[1][i] - points.source[1][j],
-                              points.source[2][i] - points.source[2][j]);
-        const int is_mate = distance[j] >= far ? 1 : 0;
-        mates += is_mate;
-        hits += residual[j] < limit ? is_mate : 0;
-      }
-      result.trials += mates;
-      if (hits == 0) continue;
-      for (std::size_t j = 0; j < size; ++j) {
-        if (!(distance[j] >= far) || !(residual[j] < limit)) continue;
-        if (matched.contains(view, rows_[first_[s] + i], rows_[first_[s] + j])) continue;
-        for (std::size_t b = 0; b < kTestedBounds.size(); ++b) {
-          const auto share = static_cast<float>(kTestedBounds[b] * kTestedBounds[b]);
-          if (residual[j] < share * limit) result.hits[b] += 1.0 / mates;
+    const std::size_t half = begin + (end - begin) / 2;
+    for (std::size_t position = begin; position < end; ++position) {
+      upper_[orders_[widest][position]] = position >= half ? 1 : 0;
+    }
+    // The orders along the other axes stay orders in each half.
+    scratch_.resize(end - half);
+    for (std::size_t a = 0; a < axes_.size(); ++a) {
+      if (a == widest) continue;
+      std::size_t low = begin;
+      std::size_t high = 0;
+      for (std::size_t position = begin; position < end; ++position) {
+        const std::uint32_t i = orders_[a][position];
+        if (upper_[i] != 0) {
+          scratch_[high++] = i;
+        } else {
+          orders_[a][low++] = i;
         }
       }
+      std::ranges::copy(scratch_, orders_[a].begin() + static_cast<std::ptrdiff_t>(half));
     }
+    split(begin, half);
+    split(half, end);
   }
-  for (double& hits : result.hits) hits *= result.trials / static_cast<double>(std::max<std::size_t>(rows_.size(), 1));
-  return result;
-}
 
-PairingHits Strata::lengths(const CorrespondenceView& view, double bound, std::uint32_t pairs) const {
-  PairingHits result;
-  const auto size = static_cast<std::uint32_t>(rows_.size());
-  const double tolerance = 2.0 * bound * view.scale();
-  for (std::uint32_t k = 0; k < pairs; ++k) {
-    CounterRandom random(kFixedSeed, RandomStage::background, k);
-    const auto exchanged = [&](std::uint32_t position) {
-      const std::uint32_t s = stratum_of_[position];
-      return rows_[first_[s] + random.below(first_[s + 1] - first_[s])];
-    };
-    const std::uint32_t at_a = random.below(size);
-    const std::uint32_t at_b = random.below(size);
-    const std::uint32_t a = rows_[at_a];
-    const std::uint32_t b = rows_[at_b];
-    const std::uint32_t from = exchanged(at_a);
-    const std::uint32_t to = exchanged(at_b);
-    // The pair as it is, forwards or backwards, is no chance.
-    if (a == b || from == to || from == a || to == b || (from == b && to == a)) continue;
-    const double difference = std::abs(distance(source_point(view, a), source_point(view, b)) -
-                                       distance(target_point(view, from), target_point(view, to)));
-    ++result.trials;
-    for (std::size_t t = 0; t < kTestedBounds.size(); ++t) {
-      if (difference < kTestedBounds[t] * tolerance) ++result.hits[t];
-    }
-  }
-  return result;
-}
+  std::vector<const Axis*> axes_;
+  std::size_t largest_;
+  std::vector<std::uint8_t> upper_;
+  std::vector<std::vector<std::uint32_t>> orders_;
+  std::vector<std::uint32_t> scratch_;
+  std::vector<std::uint32_t> first_;
+};
 
-namespace {
-
-// Strata by each of `kept`, of every `step`-th row.
+// Strata by each of `all_kept`, of every `step`-th row. `both_ways`: rows are cut twice where there is more than one
+// way.
 std::vector<Strata> strata_by(const Correspondences& correspondences, std::span<const Kept> all_kept, std::size_t step,
-                              std::size_t largest) {
+                              std::size_t largest, bool both_ways, double apart) {
   const CorrespondenceView view = correspondences.view();
   std::vector<std::uint32_t> rows;
   Eigen::Matrix3d scatter = Eigen::Matrix3d::Zero();
@@ -268,89 +226,35 @@ std::vector<Strata> strata_by(const Correspondences& correspondences, std::span<
     const Eigen::Vector3d source(p.x, p.y, p.z);
     const Eigen::Vector3d along = axes * source;
     for (std::size_t c = 0; c < 3; ++c) coordinates[c].push_back(static_cast<float>(along[static_cast<long>(c)]));
-    coordinates[position(Coordinate::range)].push_back(static_cast<float>((source - origin).norm()));
-    coordinates[position(Coordinate::from_centroid)].push_back(static_cast<float>(source.norm()));
+    coordinates[index_of(Coordinate::range)].push_back(static_cast<float>((source - origin).norm()));
+    coordinates[index_of(Coordinate::from_centroid)].push_back(static_cast<float>(source.norm()));
   }
   std::array<Axis, kCoordinates> sorted;
-  std::ranges::transform(coordinates, sorted.begin(), axis_of);
+  for (std::size_t c = 0; c < kCoordinates; ++c) sorted[c] = axis_of(std::move(coordinates[c]));
   std::vector<Strata> result;
-  result.reserve(all_kept.size());
+  result.reserve(2 * all_kept.size());
+  const auto add = [&](Partition partition) {
+    for (std::uint32_t& i : partition.order) i = rows[i];
+    result.emplace_back(view, std::move(partition.order), std::move(partition.first), apart);
+  };
   for (const auto& [shared, count] : all_kept) {
     std::vector<const Axis*> along;
-    for (const Coordinate c : std::span(shared).first(count)) along.push_back(&sorted[position(c)]);
-    result.push_back(strata_along(along, rows, largest));
+    for (const Coordinate c : std::span(shared).first(count)) along.push_back(&sorted[index_of(c)]);
+    add(cut_into_slabs(along, largest));
+    if (both_ways && count > 1) add(Halving(along, largest).partition());
   }
   return result;
 }
 
 }  // namespace
 
-std::vector<Strata> kept_strata(const Correspondences& correspondences) {
-  return strata_by(correspondences, kKept, 1, kStratumRows);
+std::vector<Strata> kept_strata(const Correspondences& correspondences, double apart) {
+  return strata_by(correspondences, kKept, 1, kStratumRows, true, apart);
 }
 
-std::vector<Strata> sampled_strata(const Correspondences& correspondences) {
+std::vector<Strata> sampled_strata(const Correspondences& correspondences, double apart) {
   return strata_by(correspondences, kTelling, std::max<std::size_t>(1, correspondences.size() / kSampledRows),
-                   kSampledStratumRows);
-}
-
-double coherence_length(const CorrespondenceView& view, const WorkingPose& pose, double noise_bound, double least,
-                        double most) {
-  const auto size = static_cast<std::uint32_t>(view.size());
-  const double unit = noise_bound * view.scale();
-  const auto explained = [&](std::uint32_t row) {
-    return distance(moved(pose, source_point(view, row)), target_point(view, row)) < 2.0 * unit;
-  };
-  const auto squared_limit = static_cast<float>(kSteps * kStep * unit * kSteps * kStep * unit);
-  std::vector<float> squared_apart(size);
-  const float* x = view.source(0);
-  const float* y = view.source(1);
-  const float* z = view.source(2);
-  std::array<double, kSteps> agreeing{};
-  std::array<double, kSteps> pairs{};
-  const std::uint32_t looked_at = std::min(kLookedAt, size);
-  for (std::uint32_t l = 0; l < looked_at; ++l) {
-    const auto row = static_cast<std::uint32_t>(static_cast<std::uint64_t>(l) * size / looked_at);
-    if (explained(row)) continue;
-    const Point p = source_point(view, row);
-    const Point q = target_point(view, row);
-    for (std::uint32_t other = 0; other < size; ++other) {
-      squared_apart[other] = squared(x[other] - p.x, y[other] - p.y, z[other] - p.z);
-    }
-    for (std::uint32_t other = 0; other < size; ++other) {
-      if (squared_apart[other] >= squared_limit || squared_apart[other] == 0.0F || explained(other)) continue;
-      const double apart = std::sqrt(static_cast<double>(squared_apart[other])) / unit;
-      const std::size_t step = std::min(static_cast<std::size_t>(apart / kStep), kSteps - 1);
-      ++pairs[step];
-      if (std::abs(distance(q, target_point(view, other)) / unit - apart) < 2.0) ++agreeing[step];
-    }
-  }
-  std::array<double, kSteps> by_chance{};
-  for (std::uint32_t k = 0; k < kRandomPairs; ++k) {
-    CounterRandom random(kFixedSeed, RandomStage::pairing, k);
-    const double apart =
-        distance(target_point(view, random.below(size)), target_point(view, random.below(size))) / unit;
-    for (std::size_t step = 0; step < kSteps; ++step) {
-      const double middle = (static_cast<double>(step) + 0.5) * kStep;
-      if (std::abs(apart - middle) < 2.0) ++by_chance[step];
-    }
-  }
-  // Where the lift falls below the limit, between the middles of two steps.
-  double length = least / noise_bound;
-  double former = std::numeric_limits<double>::infinity();
-  for (auto step = static_cast<std::size_t>(length / kStep) - 1; step < kSteps; ++step) {
-    if (pairs[step] < kLeastPairs) break;
-    const double chance = (by_chance[step] + 1.0) / (kRandomPairs + 2.0);
-    const double lift = agreeing[step] / (chance * pairs[step]);
-    const double middle = (static_cast<double>(step) + 0.5) * kStep;
-    if (lift < kCoherentLift) {
-      if (std::isfinite(former)) length = middle - kStep * (kCoherentLift - lift) / (former - lift);
-      break;
-    }
-    length = middle;
-    former = lift;
-  }
-  return std::clamp(length * noise_bound, least, most);
+                   kSampledStratumRows, false, apart);
 }
 
 }  // namespace consimd::detail

@@ -2,6 +2,10 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
+
+#include <consimd/kernels/correspondences.hpp>
+#include <consimd/kernels/kernel_data.hpp>
 
 namespace consimd::detail {
 
@@ -12,9 +16,17 @@ inline constexpr double kBeyondDoubt = -4.5;
 /// The same of another motion that makes the best pose ambiguous: a coin toss is no reason for doubt.
 inline constexpr double kSignificantRival = kSignificant - 1.0;
 
+class Background;
+
+/// Of one registration.
 struct PoseTest {
   double noise_bound = 0.0;        ///< caller's unit
   std::uint32_t bounds_tried = 1;  ///< that `noise_bound` was chosen from by looking at the data
+  /// Measured when a pose is first looked at closely, and kept for the next.
+  mutable std::shared_ptr<const Background> background = nullptr;
+
+  /// A close look; the bounds tried do not count. All calls are given the same correspondences.
+  [[nodiscard]] double log10_false_poses(const Correspondences& correspondences, const WorkingPose& pose) const;
 };
 
 }  // namespace consimd::detail

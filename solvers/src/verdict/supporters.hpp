@@ -6,7 +6,7 @@
 #include <consimd/kernels/correspondences.hpp>
 #include <consimd/kernels/kernel_data.hpp>
 
-#include "verdict/kept_structure.hpp"
+#include "verdict/strata.hpp"
 
 namespace consimd::detail {
 

@@ -1,0 +1,16 @@
+// Correspondences that tell of different places.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include <consimd/kernels/correspondences.hpp>
+
+namespace consimd::detail {
+
+/// Rows, ascending, no two of which have both their sources and their targets within `radius` (caller's unit): where
+/// a cluster of sources is matched to a cluster of targets, a few rows stand for all of them. A row stays if none
+/// before it that stays is that close.
+[[nodiscard]] std::vector<std::uint32_t> independent_rows(const CorrespondenceView& view, double radius);
+
+}  // namespace consimd::detail

@@ -1,0 +1,41 @@
+// How far outliers move as one.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+#include <consimd/kernels/correspondences.hpp>
+#include <consimd/kernels/kernel_data.hpp>
+
+namespace consimd::detail {
+
+/// Pairs of correspondences with close sources, and whether their targets are as far apart.
+class Coherence {
+ public:
+  /// Keeps the view. `noise_bound`: caller's unit.
+  Coherence(const CorrespondenceView& view, double noise_bound);
+
+  /// Distance up to which outliers move as one: from there on, two correspondences that are no supporters of the pose
+  /// have targets as far apart as their sources hardly more often than chance has it. Between `least` and `most`. All
+  /// in noise bounds.
+  [[nodiscard]] double length(const WorkingPose& pose, double least, double most) const;
+
+ private:
+  static constexpr std::size_t kSteps = 7;
+
+  struct Pair {
+    std::uint32_t row;
+    std::uint32_t other;
+    std::uint8_t step;  // of the sources' distance
+    bool agrees;
+  };
+
+  CorrespondenceView view_;
+  double noise_bound_;
+  std::vector<Pair> pairs_;
+  std::array<double, kSteps> by_chance_{};  // share of pairs whose targets are about as far apart as the step is
+};
+
+}  // namespace consimd::detail

@@ -1,0 +1,40 @@
+// The number of false poses: from a pose's supporters and what chance gives.
+#pragma once
+
+#include <array>
+#include <cstdint>
+
+#include <consimd/kernels/correspondences.hpp>
+#include <consimd/kernels/kernel_data.hpp>
+
+#include "support/repeated_points.hpp"
+#include "verdict/pairing_chances.hpp"
+#include "verdict/supporters.hpp"
+
+namespace consimd::detail {
+
+/// Supporters closer than this, in noise bounds, count once; where outliers move as one over longer distances, those.
+inline constexpr double kLeastRadius = 1.75;
+inline constexpr double kLargestRadius = 3.0;
+/// Sources closer than this, in noise bounds, tell of the same place.
+inline constexpr double kNearMisses = 4.0;
+
+/// Chances at each of the tested bounds.
+struct Chances {
+  std::array<double, kTestedBounds.size()> support{};  ///< that a pose takes a source to the target of another row
+  std::array<double, kTestedBounds.size()> length{};   ///< that two correspondences agree in length
+};
+
+/// What pairing at random gives. `pairs`: whose lengths are compared; `shifts`: pairings of all correspondences.
+/// `matched` at the pose are no hit.
+Chances random_chances(const CorrespondenceView& view, const WorkingPose& pose, double noise_bound, std::uint32_t pairs,
+                       std::uint32_t shifts, RareHits rare, const MatchedPoints& matched);
+
+/// ln P[Binomial(n, p) >= k] for k above the mean, by the exponential bound of Chernoff with the factor of Bahadur and
+/// Rao; 0 below it.
+double log_binomial_tail(double n, double k, double p);
+
+/// ln of the number of false poses that the supporters at the most telling bound leave, of `size` correspondences.
+double log_false_poses(double size, const Supports& supports, const Chances& chances);
+
+}  // namespace consimd::detail

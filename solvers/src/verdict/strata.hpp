@@ -1,0 +1,55 @@
+// Correspondences whose sources are alike, and what pairing within them gives.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+#include <consimd/kernels/correspondences.hpp>
+#include <consimd/kernels/kernel_data.hpp>
+
+#include "support/repeated_points.hpp"
+
+namespace consimd::detail {
+
+/// Bounds that a pose is tested at, in noise bounds: supporters of a true pose crowd at small residuals.
+inline constexpr std::array kTestedBounds{1.0, 0.7, 0.5, 0.35};
+
+/// Number of hits among trials, at each of kTestedBounds.
+struct PairingHits {
+  std::array<double, kTestedBounds.size()> hits{};
+  double trials = 0.0;
+};
+
+inline constexpr std::size_t kStratumRows = 32;
+
+/// Correspondences in strata of sources that have some of their coordinates about equal.
+class Strata {
+ public:
+  /// `first`: the position in `rows` of each stratum's first row, ascending, and the number of rows. Strata have at
+  /// most kStratumRows rows. Rows whose sources are closer than `apart` (caller's unit) are no test of each other.
+  /// Keeps the view.
+  Strata(const CorrespondenceView& view, std::vector<std::uint32_t> rows, std::vector<std::uint32_t> first,
+         double apart);
+
+  /// How often `pose` takes a source to the target of another row of its stratum, but for those too close. Every row
+  /// counts as much, whatever its number of such rows is: the hits are their mean share in all trials. `bound`:
+  /// caller's unit.
+  [[nodiscard]] PairingHits support(const WorkingPose& pose, double bound, const MatchedPoints& matched) const;
+
+  /// How often two correspondences whose targets are exchanged for others of their strata agree in length, to within
+  /// twice the tested bounds. The same pairs are drawn in every call.
+  [[nodiscard]] PairingHits lengths(double bound, std::uint32_t pairs) const;
+
+ private:
+  CorrespondenceView view_;
+  std::vector<std::uint32_t> rows_;            // stratum by stratum
+  std::vector<std::uint32_t> first_;           // position in rows_ of a stratum's first; one more: the end
+  std::vector<std::uint32_t> stratum_of_;      // by position
+  std::array<std::vector<float>, 3> targets_;  // by position, coordinate by coordinate; a stratum more at the end
+  std::vector<std::uint32_t> mates_;           // by position: bits of the rows of the stratum that it is tested with
+  double trials_ = 0.0;
+};
+
+}  // namespace consimd::detail
