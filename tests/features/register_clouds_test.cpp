@@ -1,4 +1,5 @@
 #include <consimd/features/register_clouds.hpp>
+#include <consimd/features/voxel_grid.hpp>
 
 #include <gtest/gtest.h>
 
@@ -121,6 +122,26 @@ TEST(RegisterClouds, NamesWhatIsWrong) {
   options = {};
   options.solver = "unheard-of";
   EXPECT_NE(fault(cloud, cloud, options).find("unheard-of"), std::string::npos);
+}
+
+TEST(RegisterClouds, ChoosesAVoxelForCloudsOfAnySize) {
+  const auto voxels = [](const Points& points) {
+    const Cloud cloud = cloud_of(points);
+    return static_cast<double>(features::occupied_voxels(cloud, features::choose_voxel(cloud)));
+  };
+  for (const std::size_t size : {200u, 2000u, 12000u})
+    EXPECT_NEAR(voxels(room(size, 1)) / (0.75 * static_cast<double>(size)), 1.0, 0.1);
+  EXPECT_NEAR(voxels(room(100000, 1)) / 12000.0, 1.0, 0.1);
+  Points volume;  // whose voxels become fewer with the third power of their side
+  for (int i = 0; i < 1000; ++i) volume.push_back({(i * 377) % 1000 / 1e3, (i * 611) % 1000 / 1e3, i / 1e3});
+  EXPECT_NEAR(voxels(volume) / 750.0, 1.0, 0.1);
+}
+
+TEST(RegisterClouds, HintsAtACloudOfOnePlace) {
+  const features::CloudMatches matches =
+      features::match_clouds(cloud_of(Points(50, {1.0, 2.0, 3.0})), cloud_of(room(3000, 1)));
+  EXPECT_EQ(matches.hint, "all points of the source cloud lie in one place");
+  EXPECT_TRUE(matches.matches.empty());
 }
 
 TEST(RegisterClouds, HintsAtDifferentUnits) {

@@ -23,8 +23,7 @@ std::string shown(double value) {
 
 CellKeys::CellKeys(const Cloud& cloud, double side, const char* name) {
   if (!std::isfinite(side) || side <= 0.0) {
-    throw std::invalid_argument(std::string(name) + " is " + std::to_string(side) +
-                                ", expected a finite length above 0");
+    throw std::invalid_argument(std::string(name) + " is " + shown(side) + ", expected a finite length above 0");
   }
   const CloudView view = cloud.view();
   per_length_ = 1.0 / (side * view.scale());

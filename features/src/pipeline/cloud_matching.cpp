@@ -55,6 +55,9 @@ void require_radii(const CloudMatchingOptions& options) {
 }
 
 std::string hint_of(double source_extent, double target_extent) {
+  for (const auto& [name, length] : {std::pair("source", source_extent), std::pair("target", target_extent)}) {
+    if (length == 0.0) return std::string("all points of the ") + name + " cloud lie in one place";
+  }
   constexpr double kLargestRatio = 100.0;
   const double ratio = std::max(source_extent, target_extent) / std::min(source_extent, target_extent);
   if (!(ratio > kLargestRatio)) return {};
@@ -137,14 +140,21 @@ double choose_voxel(const Cloud& cloud) {
   const double length = extent(cloud);
   if (!(length > 0.0)) return 1.0;
   const double wanted = std::min(12000.0, 0.75 * static_cast<double>(cloud.size()));
-  // The number of voxels falls about with the square of their side, of surfaces, so that a few steps suffice.
-  constexpr int kSteps = 8;
+  // The number of voxels falls about with the square of their side, of surfaces, so that a few steps suffice as a rule.
+  constexpr int kSteps = 16;
   constexpr double kSmallestShare = 0x1p-18;
+  double low = kSmallestShare * length;
+  double high = length;
   double voxel = length / 256.0;
   for (int step = 0; step < kSteps; ++step) {
-    const double ratio = static_cast<double>(occupied_voxels(cloud, voxel)) / wanted;
+    const std::size_t count = occupied_voxels(cloud, voxel);
+    const double ratio = static_cast<double>(count) / wanted;
     if (std::abs(ratio - 1.0) < 0.05) break;
-    voxel = std::clamp(voxel * std::sqrt(ratio), kSmallestShare * length, length);
+    (ratio > 1.0 ? low : high) = voxel;
+    // Where nearly every point has a voxel of its own, their number says little about the side that is wanted.
+    const bool alone = static_cast<double>(count) > 0.95 * static_cast<double>(cloud.size());
+    voxel *= alone ? 2.0 : std::sqrt(ratio);
+    if (!(voxel > low && voxel < high)) voxel = std::sqrt(low * high);
   }
   const double digit = std::pow(10.0, std::floor(std::log10(voxel)) - 1.0);
   return std::round(voxel / digit) * digit;
