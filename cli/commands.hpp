@@ -17,6 +17,7 @@ inline constexpr int kInterrupted = 130;  ///< stopped by a signal
 using Action = std::function<int()>;
 
 void add_register_command(CLI::App& app, Action& run);
+void add_match_command(CLI::App& app, Action& run);
 void add_compare_command(CLI::App& app, Action& run);
 void add_sweep_command(CLI::App& app, Action& run);
 void add_merge_command(CLI::App& app, Action& run);

@@ -55,11 +55,13 @@ int main(int argc, char** argv) {
                   "  consimd sweep\n"
                   "  consimd compare\n"
                   "  consimd generate --outliers 0.95 --out problem\n"
+                  "  consimd register source.pcd target.pcd\n"
                   "  consimd register problem/correspondences.txt --noise-bound 3 --truth problem/pose.txt\n"
                   "'consimd COMMAND --help' explains a command.",
                   fmt::join(isas, ", ")));
   Action run;
   add_register_command(app, run);
+  add_match_command(app, run);
   add_sweep_command(app, run);
   add_merge_command(app, run);
   add_compare_command(app, run);

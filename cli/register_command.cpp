@@ -19,6 +19,7 @@
 #include <consimd/synth/problem_files.hpp>
 
 #include <consimd/studies/replace_file.hpp>
+#include "cloud_arguments.hpp"
 #include "commands.hpp"
 #include "filter_option.hpp"
 #include "option_checks.hpp"
@@ -31,6 +32,8 @@ namespace {
 
 struct Options {
   std::string file;
+  std::string target;  ///< of two clouds; empty: `file` holds correspondences
+  CloudArguments clouds;
   std::optional<double> noise_bound;
   std::string solver = solvers().front().name;
   std::vector<std::string> settings;
@@ -51,6 +54,17 @@ void check(const Options& options) {
     throw std::invalid_argument(
         fmt::format("--noise-bound: expected a finite length > 0, got {}", *options.noise_bound));
   }
+  if (options.target.empty() && options.clouds.given()) {
+    throw std::invalid_argument(
+        "--voxel, --keypoints, --matches, --missing and --save-correspondences are of two clouds, SOURCE and TARGET");
+  }
+  if (!options.target.empty() && options.estimate_scale) {
+    throw std::invalid_argument("--estimate-scale: the descriptors of clouds need one unit in both");
+  }
+  if (!options.target.empty() && options.assume_inliers) {
+    throw std::invalid_argument("--assume-inliers: matches of clouds are never all right");
+  }
+  if (!options.clouds.save_correspondences.empty()) studies::require_replaceable(options.clouds.save_correspondences);
   static_cast<void>(filter_by_name(options.filter));
   if (!options.json.empty() && options.json != "-") studies::require_replaceable(options.json);
   for (const auto& [name, file] :
@@ -89,6 +103,36 @@ void save(const Options& options, const RegisterReport& report) {
   if (!options.save_inliers.empty() && run.has_pose()) studies::replace_file(options.save_inliers, inlier_text(run));
 }
 
+Correspondences read_rows(const std::string& file) {
+  try {
+    return synth::read_correspondences(file);
+  } catch (const std::runtime_error&) {
+    const std::string ending = std::filesystem::path(file).extension().string();
+    constexpr std::array kCloudEndings{".ply", ".pcd", ".npy", ".bin"};
+    if (std::find(kCloudEndings.begin(), kCloudEndings.end(), ending) == kCloudEndings.end() ||
+        !std::filesystem::exists(file)) {
+      throw;
+    }
+    throw std::runtime_error(file + ": not a file of correspondences; a cloud needs the TARGET it is registered to");
+  }
+}
+
+/// The correspondences of the file, or those found between the clouds, which also give the noise bound.
+Correspondences load(const Options& options, RegisterReport& report) {
+  if (options.target.empty()) return read_rows(options.file);
+  const features::CloudMatchingOptions matching = matching_options(options.clouds, options.seed);
+  const CloudPair clouds = read_clouds(options.file, options.target, options.clouds);
+  report.file += " and " + options.target;
+  report.cloud_arguments = options.clouds;
+  report.clouds =
+      with_threads(options.threads, [&] { return features::match_clouds(clouds.source, clouds.target, matching); });
+  if (!report.noise_bound) report.noise_bound = report.clouds->noise_bound;
+  if (!options.clouds.save_correspondences.empty()) {
+    studies::replace_file(options.clouds.save_correspondences, correspondence_text(*report.clouds));
+  }
+  return std::move(report.clouds->correspondences);
+}
+
 int run_register(const Options& options) {
   check(options);
   const SolverChoice choice = choice_of(options.solver, options.settings);
@@ -106,7 +150,7 @@ int run_register(const Options& options) {
     truth = report.estimate_scale ? synth::read_scaled_pose(options.truth)
                                   : synth::ScaledPose{synth::read_pose(options.truth)};
   }
-  const Correspondences correspondences = synth::read_correspondences(options.file);
+  const Correspondences correspondences = load(options, report);
   report.correspondences = correspondences.size();
 
   with_threads(options.threads, [&] {
@@ -123,7 +167,7 @@ int run_register(const Options& options) {
     }
     for (std::uint32_t run = 0; run < options.repeat; ++run) {
       report.runs.push_back(register_by_choice(choice, correspondences,
-                                               {.noise_bound = options.noise_bound,
+                                               {.noise_bound = report.noise_bound,
                                                 .seed = options.seed + run,
                                                 .filter = report.filter,
                                                 .estimate_scale = options.estimate_scale}));
@@ -157,18 +201,26 @@ int run_register(const Options& options) {
 }  // namespace
 
 void add_register_command(CLI::App& app, Action& run) {
-  CLI::App* command = app.add_subcommand("register", "Find the rigid motion that a file of correspondences agrees on");
+  CLI::App* command = app.add_subcommand(
+      "register", "Find the rigid motion that a file of correspondences agrees on, or that takes a cloud to another");
   auto options = std::make_shared<Options>();
   command
       ->add_option("FILE", options->file,
                    "Text, a correspondence a line: source x y z, target x y z, separated by blanks or commas; '#' "
-                   "starts a comment. '-' is the standard input")
+                   "starts a comment. '-' is the standard input. With TARGET: a cloud")
       ->required();
+  command->add_option(
+      "TARGET", options->target,
+      "Cloud that the first one is matched with and registered to: PLY, PCD, NPY, KITTI's .bin, or text with x y z a "
+      "line");
+  add_cloud_options(*command, options->clouds);
+  command->add_option("--save-correspondences", options->clouds.save_correspondences,
+                      "Of clouds: write their matches to this file");
   command->add_option(
       "--noise-bound", options->noise_bound,
       "Largest distance of a true correspondence's target from the moved source, in the file's unit; about 3 "
-      "times the noise's standard deviation. Estimated from the correspondences when not given, which takes some "
-      "ten times as long");
+      "times the noise's standard deviation. When not given it is estimated from the correspondences, which takes some "
+      "ten times as long, or, of clouds, three times their resolution");
   command->add_option("--solver", options->solver, "Solver: " + solver_help())->capture_default_str();
   add_option_setting(*command, options->settings);
   add_filter_option(*command, options->filter);
@@ -180,7 +232,9 @@ void add_register_command(CLI::App& app, Action& run) {
   command->add_flag("--assume-inliers", options->assume_inliers,
                     "Take every row as right, three or more: the least-squares pose with the residual of each row, for "
                     "targets that somebody has checked. Nothing is searched or tested");
-  command->add_option("--seed", options->seed, "Seed of the first run")->check(whole_number())->capture_default_str();
+  command->add_option("--seed", options->seed, "Seed of the first run; of clouds, also of the points drawn")
+      ->check(whole_number())
+      ->capture_default_str();
   command->add_option("--repeat", options->repeat, "Runs, with seeds seed, seed + 1, ...")
       ->check(whole_number(1, 1'000'000))
       ->capture_default_str();
@@ -195,13 +249,14 @@ void add_register_command(CLI::App& app, Action& run) {
                       "its rotation multiplied by the scale");
   command->add_option(
       "--save-inliers", options->save_inliers,
-      "Write the inliers, if there is a pose, to this file: a row of FILE a line, counted from 0 without "
-      "comments");
+      "Write the inliers, if there is a pose, to this file: a row of FILE, or of clouds' --save-correspondences, "
+      "a line, counted from 0 without comments");
   command->footer(
       "Exit code: 0 when every run found a pose, 1 when one did not or left two to choose from, 2 on bad usage or "
       "input.\n"
       "Examples:\n"
       "  consimd register pair.txt                                           finds out how noisy it is\n"
+      "  consimd register source.pcd target.pcd --voxel 0.3                  two scans\n"
       "  consimd register pair.txt --noise-bound 0.6                         metres, lidar clouds of 0.3 m voxels\n"
       "  consimd register pair.txt --noise-bound 0.6 --repeat 50 --truth pose.txt\n"
       "  consimd register pair.txt --noise-bound 0.6 --json -                to the next program\n"

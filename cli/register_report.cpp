@@ -29,16 +29,28 @@ Json rows_of(const Matrix& matrix) {
   return rows;
 }
 
-Json run_json(const RegisterReport& report, std::size_t index) {
-  const Registration& run = report.runs[index];
+Json stages_json(const std::vector<StageReport>& reports) {
   Json stages = Json::array();
-  for (const StageReport& stage : run.stages) {
+  for (const StageReport& stage : reports) {
     stages.push_back({{"name", stage.name},
                       {"input", stage.input},
                       {"output", stage.output},
                       {"iterations", stage.iterations},
                       {"seconds", stage.seconds}});
   }
+  return stages;
+}
+
+Json cloud_json(const features::CloudSummary& cloud) {
+  return {{"points", cloud.points},
+          {"left_out", cloud.left_out},
+          {"voxels", cloud.voxels},
+          {"descriptors", cloud.descriptors},
+          {"resolution", std::isfinite(cloud.resolution) ? Json(cloud.resolution) : Json(nullptr)}};
+}
+
+Json run_json(const RegisterReport& report, std::size_t index) {
+  const Registration& run = report.runs[index];
   Json json = {{"seed", run.seed},
                {"status", to_string(run.status)},
                {"noise_bound", run.noise_bound},
@@ -48,7 +60,7 @@ Json run_json(const RegisterReport& report, std::size_t index) {
                {"inlier_count", run.inliers.size()},
                {"inliers", run.inliers},
                {"seconds", run.seconds},
-               {"stages", stages}};
+               {"stages", stages_json(run.stages)}};
   const auto of_pose = [&run](double value) { return run.has_pose() ? Json(value) : Json(nullptr); };
   if (report.estimate_scale) {
     json["scale"] = of_pose(run.scale);
@@ -210,6 +222,15 @@ std::string to_json(const RegisterReport& report) {
       {"file", report.file},     {"correspondences", report.correspondences},
       {"isa", report.isa},       {"threads", report.threads},
       {"solver", report.solver}, {"noise_bound", report.noise_bound ? Json(*report.noise_bound) : Json(nullptr)}};
+  if (report.clouds) {
+    head["clouds"] = {{"source", cloud_json(report.clouds->source)},
+                      {"target", cloud_json(report.clouds->target)},
+                      {"voxel", report.clouds->voxel},
+                      {"keypoints", report.cloud_arguments.keypoints},
+                      {"matches", report.cloud_arguments.matches},
+                      {"hint", report.clouds->hint},
+                      {"stages", stages_json(report.clouds->stages)}};
+  }
   if (!report.options.empty()) head["options"] = options_json(report.options);
   if (report.estimate_scale) head["estimate_scale"] = true;
   if (report.filter != Filter::none) head["filter"] = to_string(report.filter);
@@ -236,7 +257,8 @@ std::string to_text(const RegisterReport& report) {
              : report.assumed_inliers ? "none"
                                       : "estimated",
              report.isa, report.threads, report.threads == 1 ? "" : "s") +
-         notes_text(report) + (report.runs.size() == 1 ? run_text(report) : summary_text(report));
+         (report.clouds ? to_text(*report.clouds, report.cloud_arguments) : std::string()) + notes_text(report) +
+         (report.runs.size() == 1 ? run_text(report) : summary_text(report));
 }
 
 }  // namespace consimd::cli

@@ -5,8 +5,11 @@
 #include <string>
 #include <vector>
 
+#include <consimd/features/cloud_matching.hpp>
 #include <consimd/solvers/registration.hpp>
 #include <consimd/solvers/solver.hpp>
+
+#include "cloud_arguments.hpp"
 
 namespace consimd::cli {
 
@@ -19,6 +22,8 @@ struct PoseErrors {
 
 struct RegisterReport {
   std::string file;
+  std::optional<features::CloudMatches> clouds = {};  ///< what `file` and another were matched to
+  CloudArguments cloud_arguments = {};                ///< as given, of clouds
   std::size_t correspondences = 0;
   std::string isa;
   int threads = 1;

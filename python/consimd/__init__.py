@@ -5,12 +5,13 @@
         moved = source @ result.pose[:3, :3].T + result.pose[:3, 3]
 
 `source` and `target` are (N, 3) arrays; row k of one is putatively the same point as row k of the other. Modules:
-`consimd.kernels`, the building blocks on arrays; `consimd.synth`, problems with a known pose. `consimd.sweep` runs the
-noise study, `consimd.compare` solvers on files and synthetic data. Results have the same bits on any number of threads
+`consimd.kernels`, the building blocks on arrays; `consimd.features`, from clouds to correspondences;
+`consimd.synth`, problems with a known pose. `consimd.register_clouds` takes two scans as they are. `consimd.sweep` runs
+the noise study, `consimd.compare` solvers on files and synthetic data. Results have the same bits on any number of threads
 and any instruction set, and those of the C++ library.
 """
 
-from consimd import kernels, synth
+from consimd import features, kernels, synth
 from consimd._core import Correspondences, __version__
 from consimd._compare import CompareResult, ComparisonTable, compare
 from consimd._register import (
@@ -26,10 +27,12 @@ from consimd._register import (
     solver_options,
     solvers,
 )
+from consimd._register_clouds import CloudRegistration, register_clouds
 from consimd._sweep import SweepResult, sweep
 from consimd._tables import table_columns
 
 __all__ = [
+    "CloudRegistration",
     "CompareResult",
     "ComparisonTable",
     "Correspondences",
@@ -44,8 +47,10 @@ __all__ = [
     "compare",
     "describe_options",
     "estimate_noise_bound",
+    "features",
     "kernels",
     "register",
+    "register_clouds",
     "solver_options",
     "solvers",
     "sweep",

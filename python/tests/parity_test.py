@@ -22,11 +22,15 @@ CPP_ALONE = {
     "synth": {"stand_in", "read_correspondences", "read_pose", "read_scaled_pose", "read_problem", "write_pose"}
     | {"with_far_rows", "with_rows_without_depth", "repeated_targets", "all_to_all", "symmetric_part"}
     | {"read_text", "remove_abandoned_files"},
+    # Files, the parts that match_clouds is made of, and what consimd.features calls normals.
+    "features": {"read_cloud", "choose_voxel", "occupied_voxels", "random_subset", "radius_neighbours", "resolution",
+                 "estimate_normals"},
 }
 # Of Python alone: classes, and bit sets as masks.
 PYTHON_ALONE = {
     "kernels": {"ConsistencyMatrix", "Correspondences", "RigidFit", "RigidMoments", "pack_bits", "unpack_bits"},
     "synth": {"Problem"},
+    "features": {"CloudMatches", "CloudSummary", "normals"},
 }
 RENAMED = {"T_target_source": "pose"}
 
@@ -56,9 +60,9 @@ def body_of(kind, name, library="solvers"):
     raise AssertionError(f"no {kind} {name}")
 
 
-def members(name):
+def members(name, library="solvers"):
     """Members of a struct, as Python calls them."""
-    found = re.findall(r"^  [\w:<>,]+(?: [\w:<>,]+)* (\w+)(?: = [^;]*)?;", body_of("struct", name), re.MULTILINE)
+    found = re.findall(r"^  [\w:<>,]+(?: [\w:<>,]+)* (\w+)(?: = [^;]*)?;", body_of("struct", name, library), re.MULTILINE)
     return [RENAMED.get(member, member) for member in found]
 
 
@@ -72,6 +76,43 @@ def test_synthetic_problems_are_those_of_the_library():
     there = functions("synth")
     assert there >= CPP_ALONE["synth"]
     assert set(consimd.synth.__all__) - PYTHON_ALONE["synth"] == there - CPP_ALONE["synth"]
+
+
+def test_features_are_those_of_the_library():
+    there = functions("features")
+    assert there >= CPP_ALONE["features"]
+    own = set(consimd.features.__all__) - PYTHON_ALONE["features"] | {"register_clouds"}
+    assert own == there - CPP_ALONE["features"]
+    # Python has a distance in place of a match, and no Correspondences.
+    names = set(members("CloudMatches", "features"))
+    fields = {field.name for field in dataclasses.fields(consimd.features.CloudMatches)}
+    assert names - {"correspondences", "matches"} == fields - {"distances"}
+    assert list(consimd.features.CloudSummary._fields) == members("CloudSummary", "features")
+
+
+def test_defaults_of_features_are_those_of_the_library():
+    """Of the options structs, and of the command where it has the option."""
+    parameters = inspect.signature(consimd.features.match_clouds).parameters
+    matching, match = body_of("struct", "CloudMatchingOptions", "features"), body_of("struct", "MatchOptions", "features")
+    for body, names in ((matching, ["normal_radius", "descriptor_radius", "keypoints", "seed"]),
+                        (match, ["best", "mutual", "ratio"])):  # fmt: skip
+        for name in names:
+            (value,) = re.findall(rf" {name} = ([\w.]+);", body)
+            assert json.loads(value) == parameters[name].default, name
+    for name in ("best", "mutual", "ratio"):
+        assert inspect.signature(consimd.features.match).parameters[name].default == parameters[name].default
+    assert matching.count("_viewpoint = std::array<double, 3>{0.0, 0.0, 0.0};") == 2
+    for name in ("source_viewpoint", "target_viewpoint"):
+        assert parameters[name].default == (0.0, 0.0, 0.0)
+
+
+@pytest.mark.parametrize("name", ["match", "register"])
+def test_defaults_of_clouds_are_those_of_the_command(command, name):
+    parameters = inspect.signature(consimd.features.match_clouds).parameters
+    shown = defaults_of_the_command(command, name)
+    assert shown["keypoints"] == f"random:{parameters['keypoints'].default}"
+    assert shown["matches"] == f"mutual:{parameters['best'].default}" and parameters["mutual"].default
+    assert shown["seed"] == str(parameters["seed"].default)
 
 
 def test_consistency_matrices_are_those_of_the_library():
@@ -168,9 +209,10 @@ def test_defaults_are_those_of_the_command(command):
 
 def test_seeds_start_at_one():
     """Everywhere: in the library, in the command, here."""
-    for function in (consimd.register, consimd.estimate_noise_bound, consimd.sweep, consimd.compare):
+    for function in (consimd.register, consimd.estimate_noise_bound, consimd.sweep, consimd.compare,
+                     consimd.register_clouds, consimd.features.match_clouds):  # fmt: skip
         assert inspect.signature(function).parameters["seed"].default == 1
-    for library in ("solvers", "synth"):
+    for library in ("solvers", "synth", "features"):
         for name, text in headers(library).items():
             for default in re.findall(r"uint64_t seed = (\d+)", text):
                 # That of a result says nothing before there is one.

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 import consimd
-from consimd import kernels, synth
+from consimd import features, kernels, synth
 
 points: NDArray[np.float32] = np.zeros((10, 3), np.float32)
 problem = synth.hard_problem(correspondences=50, scene="planar")
@@ -41,6 +41,14 @@ ratios: NDArray[np.float32] = highs / lows
 kernels.ConsistencyMatrix(rows, 0.5, ratio_bound=0.1)
 assert_type(consimd.describe_options("ransac")["confidence"].meaning, str)
 
+registration, matches = consimd.register_clouds(points, points, 0.1, solver="ransac", keypoints=None, missing=0)
+assert_type(registration, consimd.Registration)
+assert_type(matches, features.CloudMatches)
+assert_type(matches.source.voxels, int)
+assert_type(features.normals(features.voxel_grid(points, 1), 2.0), NDArray[np.float32])
+descriptors, described = features.fpfh(points, 2.0, normal_radius=1.0, rows=[1, 2], viewpoint=None)
+assert_type(features.match(descriptors, descriptors, ratio=0.9)[0], NDArray[np.int64])
+
 trials, cells = consimd.sweep(points=100, outliers=[0.5], sigma=[1.0], trials=2, progress=lambda done, total: None)
 recalls: NDArray[np.float64] = cells["recall"]
 runs, tables = consimd.compare(synthetic="facade", trials=1, solvers=["tcf"], scales=[1, 2.0], out="folder")
@@ -50,4 +58,5 @@ assert_type(consimd.table_columns()["runs"]["seed"], str)
 consimd.register(points)  # type: ignore[call-overload]  # no target
 consimd.register(points, points, noise_bound="0.2")  # type: ignore[call-overload]
 consimd.compare(trials="1")  # type: ignore[arg-type]
+features.fpfh(points, 2.0)  # type: ignore[call-arg]  # no normal_radius
 kernels.alignment_counts(points, points, 1.0)  # type: ignore[arg-type]  # not a Correspondences

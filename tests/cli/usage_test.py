@@ -5,7 +5,7 @@ import unittest
 
 from command import CommandTest
 
-COMMANDS = ["register", "compare", "sweep", "merge", "generate", "info"]
+COMMANDS = ["register", "match", "compare", "sweep", "merge", "generate", "info"]
 
 
 class Usage(CommandTest):

@@ -1,0 +1,111 @@
+#include "cloud_arguments.hpp"
+
+#include <charconv>
+#include <iterator>
+#include <stdexcept>
+#include <string_view>
+#include <system_error>
+
+#include <fmt/format.h>
+
+#include <consimd/features/cloud_files.hpp>
+
+namespace consimd::cli {
+namespace {
+
+/// NAME:NUMBER, the number from 1 to `most`.
+std::optional<std::size_t> number_after(std::string_view text, std::string_view name, std::size_t most) {
+  if (!text.starts_with(name) || text.size() <= name.size() || text[name.size()] != ':') return std::nullopt;
+  text.remove_prefix(name.size() + 1);
+  std::size_t value = 0;
+  const auto [rest, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+  if (error != std::errc() || rest != text.data() + text.size() || value < 1 || value > most) return std::nullopt;
+  return value;
+}
+
+std::optional<std::size_t> keypoints_of(const std::string& text) {
+  if (text == "all") return std::nullopt;
+  constexpr std::size_t kMost = 0xffffffff;
+  if (const auto count = number_after(text, "random", kMost)) return count;
+  throw std::invalid_argument(fmt::format("--keypoints: expected all or random:COUNT, got '{}'", text));
+}
+
+features::MatchOptions matches_of(const std::string& text) {
+  constexpr std::size_t kMost = 8;
+  if (const auto best = number_after(text, "mutual", kMost)) return {.best = *best, .mutual = true};
+  if (const auto best = number_after(text, "nearest", kMost)) return {.best = *best, .mutual = false};
+  throw std::invalid_argument(fmt::format("--matches: expected mutual:K or nearest:K, K from 1 to 8, got '{}'", text));
+}
+
+}  // namespace
+
+bool CloudArguments::given() const {
+  const CloudArguments defaults;
+  return voxel || missing || keypoints != defaults.keypoints || matches != defaults.matches ||
+         !save_correspondences.empty();
+}
+
+void add_cloud_options(CLI::App& command, CloudArguments& arguments) {
+  command.add_option("--voxel", arguments.voxel,
+                     "Of clouds: side of the voxels that they are thinned out with, in their unit. Chosen such that a "
+                     "cloud has about 12000 of them when not given");
+  command
+      .add_option("--keypoints", arguments.keypoints,
+                  "Of clouds: the points that are described and matched: random:COUNT of each cloud, or all")
+      ->capture_default_str();
+  command
+      .add_option("--matches", arguments.matches,
+                  "Of clouds: mutual:K, pairs among each other's K nearest descriptors, or nearest:K, the K nearest of "
+                  "each source point; K from 1 to 8")
+      ->capture_default_str();
+  command.add_option("--missing", arguments.missing,
+                     "Of clouds: a point whose three coordinates are this number is none, as depth cameras write it");
+}
+
+features::CloudMatchingOptions matching_options(const CloudArguments& arguments, std::uint64_t seed) {
+  return {.voxel = arguments.voxel,
+          .keypoints = keypoints_of(arguments.keypoints),
+          .matches = matches_of(arguments.matches),
+          .seed = seed};
+}
+
+CloudPair read_clouds(const std::string& source, const std::string& target, const CloudArguments& arguments) {
+  if (source == "-" && target == "-") {
+    throw std::invalid_argument("SOURCE and TARGET are both '-': the standard input holds one cloud");
+  }
+  return {features::read_cloud(source, arguments.missing), features::read_cloud(target, arguments.missing)};
+}
+
+std::string correspondence_text(const features::CloudMatches& matches) {
+  fmt::memory_buffer text;
+  const auto out = std::back_inserter(text);
+  fmt::format_to(out, "# source x y z, target x y z\n");
+  for (std::size_t k = 0; k < matches.matches.size(); ++k) {
+    const auto& p = matches.source_points[k];
+    const auto& q = matches.target_points[k];
+    fmt::format_to(out, "{} {} {} {} {} {}\n", p[0], p[1], p[2], q[0], q[1], q[2]);
+  }
+  return fmt::to_string(text);
+}
+
+std::string to_text(const features::CloudMatches& matches, const CloudArguments& arguments) {
+  fmt::memory_buffer text;
+  const auto out = std::back_inserter(text);
+  for (const auto& [name, cloud] : {std::pair("source", &matches.source), std::pair("target", &matches.target)}) {
+    fmt::format_to(out, "{:<14}{} points", name, cloud->points);
+    if (cloud->left_out > 0) fmt::format_to(out, " ({} rows without a place left out)", cloud->left_out);
+    fmt::format_to(out, ", {} voxels, {} described, resolution {:.3g}\n", cloud->voxels, cloud->descriptors,
+                   cloud->resolution);
+  }
+  fmt::format_to(out, "voxel         {:.4g}, keypoints {}, matches {}; noise bound by the resolution {:.4g}\n",
+                 matches.voxel, arguments.keypoints, arguments.matches, matches.noise_bound);
+  if (!matches.hint.empty()) fmt::format_to(out, "hint          {}\n", matches.hint);
+  fmt::format_to(out, "{:<24}{:>10}{:>10}{:>12}{:>12}\n", "stage", "input", "output", "", "ms");
+  for (const StageReport& stage : matches.stages) {
+    fmt::format_to(out, "{:<24}{:>10}{:>10}{:>12}{:>12.3f}\n", stage.name, stage.input, stage.output, "",
+                   1e3 * stage.seconds);
+  }
+  return fmt::to_string(text);
+}
+
+}  // namespace consimd::cli

@@ -1,0 +1,45 @@
+// Clouds on the command line: what becomes of two files of points.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+
+#include <CLI/CLI.hpp>
+
+#include <consimd/features/cloud_matching.hpp>
+
+namespace consimd::cli {
+
+struct CloudArguments {
+  std::optional<double> voxel;
+  std::string keypoints = "random:5000";
+  std::string matches = "mutual:3";
+  std::optional<double> missing;
+  std::string save_correspondences;
+
+  /// Whether any of them was given.
+  [[nodiscard]] bool given() const;
+};
+
+void add_cloud_options(CLI::App& command, CloudArguments& arguments);
+
+/// Throws std::invalid_argument that names the option unless all of them can be.
+[[nodiscard]] features::CloudMatchingOptions matching_options(const CloudArguments& arguments, std::uint64_t seed);
+
+struct CloudPair {
+  Cloud source;
+  Cloud target;
+};
+
+/// Throws as `read_cloud`, and std::invalid_argument where both are the standard input.
+[[nodiscard]] CloudPair read_clouds(const std::string& source, const std::string& target,
+                                    const CloudArguments& arguments);
+
+/// The matches as lines of six numbers, as `consimd register` reads them.
+[[nodiscard]] std::string correspondence_text(const features::CloudMatches& matches);
+
+/// For people: what was chosen, and a line per stage.
+[[nodiscard]] std::string to_text(const features::CloudMatches& matches, const CloudArguments& arguments);
+
+}  // namespace consimd::cli

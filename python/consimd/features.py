@@ -1,0 +1,141 @@
+"""From two clouds of points to correspondences: the front end of the TCF paper, and its stages one by one.
+
+Clouds are (N, 3) arrays, float32 and float64 ones read as they are. Rows with NaN or infinity are no points, nor are
+those whose three coordinates are `missing`, as depth cameras write it. Lengths are in the unit of the points. A
+viewpoint is where a scan was taken from, in its own frame; normals point towards it; None: they point up. Results have
+the same bits on any number of threads and any instruction set.
+
+    m = match_clouds(source, target, voxel=0.3)
+    result = consimd.register(m.source_points, m.target_points, noise_bound=m.noise_bound)
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, NamedTuple
+
+from consimd import _core
+from consimd._register import Stage
+
+if TYPE_CHECKING:
+    import numpy as np
+    from numpy.typing import ArrayLike, NDArray
+
+__all__ = ["CloudMatches", "CloudSummary", "fpfh", "match", "match_clouds", "normals", "voxel_grid"]
+
+Viewpoint = tuple[float, float, float]
+_ORIGIN = (0.0, 0.0, 0.0)
+
+
+class CloudSummary(NamedTuple):
+    """What became of one cloud."""
+
+    points: int
+    left_out: int
+    """Rows that are no points."""
+    voxels: int
+    descriptors: int
+    resolution: float
+    """Median distance of a voxel to its nearest neighbour."""
+
+
+@dataclass(frozen=True, eq=False)
+class CloudMatches:
+    """What `match_clouds` found. Row k of `source_points` may be the same point as row k of `target_points`."""
+
+    source_points: NDArray[np.float64]
+    """(K, 3)."""
+    target_points: NDArray[np.float64]
+    """(K, 3)."""
+    distances: NDArray[np.float32]
+    """(K,), between the descriptors."""
+    source: CloudSummary
+    target: CloudSummary
+    voxel: float
+    """What was used: given, or chosen."""
+    noise_bound: float
+    """For `register`: three times the mean resolution of the two clouds."""
+    hint: str
+    """A sentence on what looks like a mistake, such as different units; empty as a rule."""
+    stages: tuple[Stage, ...]
+
+
+def voxel_grid(points: ArrayLike, voxel: float, *, missing: float | None = None) -> NDArray[np.float64]:
+    """The mean of the points in each occupied cube of side `voxel`, (M, 3), by cube."""
+    return _core.voxel_grid(points, voxel, missing)
+
+
+def normals(
+    points: ArrayLike, radius: float, *, viewpoint: Viewpoint | None = _ORIGIN, missing: float | None = None
+) -> NDArray[np.float32]:
+    """Unit normals of the points, (N, 3): the direction in which those within `radius` spread least.
+
+    NaN of rows that are no points, or have fewer than two neighbours.
+    """
+    return _core.normals(points, radius, viewpoint, missing)
+
+
+def fpfh(
+    points: ArrayLike,
+    radius: float,
+    *,
+    normal_radius: float,
+    rows: ArrayLike | None = None,
+    viewpoint: Viewpoint | None = _ORIGIN,
+    missing: float | None = None,
+) -> tuple[NDArray[np.float32], NDArray[np.int64]]:
+    """FPFH descriptors of neighbourhoods of `radius`, (K, 33), and the rows of `points` that have one, (K,), ascending.
+
+    rows: only of these; None: of all. normal_radius: that of `normals`, at most `radius`. A row without neighbours has no
+    descriptor.
+    """
+    return _core.fpfh(points, radius, normal_radius, rows, viewpoint, missing)
+
+
+def match(
+    source: ArrayLike, target: ArrayLike, *, best: int = 3, mutual: bool = True, ratio: float = 1.0
+) -> tuple[NDArray[np.int64], NDArray[np.float32]]:
+    """Matches of descriptors of any length by Euclidean distance: pairs of rows, (K, 2), and distances, (K,).
+
+    best: each descriptor's nearest that are considered, 1 to 8. mutual: keep a pair only where each is among the best of
+    the other. ratio: keep a source's matches only where the nearest is nearer than this share of the second's distance.
+    """
+    import numpy as np
+
+    rows = [np.ascontiguousarray(descriptors, dtype=np.float32) for descriptors in (source, target)]
+    return _core.match(rows[0], rows[1], best, mutual, ratio)
+
+
+def match_clouds(
+    source: ArrayLike,
+    target: ArrayLike,
+    voxel: float | None = None,
+    *,
+    keypoints: int | None = 5000,
+    best: int = 3,
+    mutual: bool = True,
+    ratio: float = 1.0,
+    normal_radius: float = 2.0,
+    descriptor_radius: float = 5.0,
+    source_viewpoint: Viewpoint | None = _ORIGIN,
+    target_viewpoint: Viewpoint | None = _ORIGIN,
+    missing: float | None = None,
+    seed: int = 1,
+    threads: int | None = None,
+) -> CloudMatches:
+    """Voxel grid, normals, random points, FPFH and matches of two clouds.
+
+    voxel: side of the voxels that both are thinned out with; None: chosen, for about 12 000 of them. keypoints: points of
+    each cloud that are described, drawn at random by the seed; None: all. normal_radius, descriptor_radius: in voxels.
+    best, mutual, ratio: as in `match`. threads: at most so many; None: all that the process may use.
+
+    ValueError on an empty cloud or a bad value. Ctrl-C raises KeyboardInterrupt at once.
+    """
+    fields = _core.match_clouds(
+        source, target, voxel, normal_radius, descriptor_radius, keypoints, best, mutual, ratio, seed,
+        source_viewpoint, target_viewpoint, missing, threads,
+    )  # fmt: skip
+    for side in ("source", "target"):
+        fields[side] = CloudSummary(*fields[side])
+    fields["stages"] = tuple(Stage(*stage) for stage in fields["stages"])
+    return CloudMatches(**fields)

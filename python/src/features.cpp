@@ -1,0 +1,215 @@
+// From clouds to correspondences.
+#include <consimd/features/cell_grid.hpp>
+#include <consimd/features/cloud_matching.hpp>
+#include <consimd/features/fpfh.hpp>
+#include <consimd/features/matching.hpp>
+#include <consimd/features/normals.hpp>
+#include <consimd/features/voxel_grid.hpp>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdint>
+#include <limits>
+#include <memory>
+#include <numeric>
+#include <optional>
+#include <stdexcept>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include <nanobind/nanobind.h>
+#include <nanobind/stl/array.h>
+#include <nanobind/stl/optional.h>
+#include <nanobind/stl/string.h>
+
+#include "array_arguments.hpp"
+#include "array_results.hpp"
+#include "bindings.hpp"
+#include "interruptible_call.hpp"
+#include "threads.hpp"
+
+namespace consimd::python {
+namespace {
+
+using Viewpoint = std::optional<std::array<double, 3>>;
+
+Cloud cloud_from(ArrayLike points, std::string_view name, std::optional<double> missing) {
+  const Points array(points, name);
+  if (array.single_precision()) return Cloud(array.span<float>(), missing);
+  return Cloud(array.span<double>(), missing);
+}
+
+Array<double, -1, 3> points_array(const std::vector<std::array<double, 3>>& points) {
+  std::vector<double> values;
+  values.reserve(3 * points.size());
+  for (const auto& p : points) values.insert(values.end(), p.begin(), p.end());
+  return to_array<Array<double, -1, 3>>(std::move(values), {points.size(), 3});
+}
+
+Array<double, -1, 3> voxel_grid(ArrayLike points, double voxel, std::optional<double> missing) {
+  const Cloud cloud = cloud_from(points, "points", missing);
+  std::vector<std::array<double, 3>> means;
+  {
+    const nb::gil_scoped_release released;
+    const Cloud voxels = features::voxel_grid(cloud, voxel);
+    for (std::size_t i = 0; i < voxels.size(); ++i) means.push_back(voxels.point(i));
+  }
+  return points_array(means);
+}
+
+double checked_radius(double radius) {
+  if (std::isfinite(radius) && radius > 0.0) return radius;
+  throw std::invalid_argument("radius is " + std::to_string(radius) + ", expected a finite length above 0");
+}
+
+/// A grid with normals, and the row of the caller's array that each of its points is.
+struct DescribedCloud {
+  features::CellGrid grid;
+  std::vector<std::uint32_t> input_rows;
+
+  DescribedCloud(const Cloud& cloud, double radius, double normal_radius, const Viewpoint& viewpoint)
+      : grid(cloud, checked_radius(radius)), input_rows(cloud.size()) {
+    features::estimate_normals(grid, {normal_radius, viewpoint});
+    for (std::size_t row = 0; row < grid.size(); ++row) input_rows[row] = cloud.input_row(grid.original(row));
+  }
+};
+
+Array<float, -1, 3> normals(ArrayLike points, double radius, const Viewpoint& viewpoint,
+                            std::optional<double> missing) {
+  const Cloud cloud = cloud_from(points, "points", missing);
+  const std::size_t size = cloud.size() + cloud.left_out();
+  std::vector<float> values(3 * size, std::numeric_limits<float>::quiet_NaN());
+  {
+    const nb::gil_scoped_release released;
+    const DescribedCloud described(cloud, radius, radius, viewpoint);
+    const CloudView view = described.grid.cloud().view();
+    for (std::size_t row = 0; row < view.size(); ++row) {
+      for (std::size_t c = 0; c < 3; ++c) values[3 * described.input_rows[row] + c] = view.normals(c)[row];
+    }
+  }
+  return to_array<Array<float, -1, 3>>(std::move(values), {size, 3});
+}
+
+nb::tuple fpfh(ArrayLike points, double radius, double normal_radius, std::optional<ArrayLike> rows,
+               const Viewpoint& viewpoint, std::optional<double> missing) {
+  const Cloud cloud = cloud_from(points, "points", missing);
+  std::vector<std::uint32_t> wanted(cloud.size() + cloud.left_out());
+  std::iota(wanted.begin(), wanted.end(), 0u);
+  if (rows) {
+    const std::vector<std::uint32_t> given = indices_from(*rows, "rows");
+    for (const std::uint32_t row : given) {
+      if (row >= wanted.size()) {
+        throw std::out_of_range("row " + std::to_string(row) + " of " + std::to_string(wanted.size()) + " points");
+      }
+    }
+    wanted = given;
+  }
+  features::Descriptors descriptors;
+  std::vector<std::int64_t> described_rows;
+  {
+    const nb::gil_scoped_release released;
+    const DescribedCloud described(cloud, radius, normal_radius, viewpoint);
+    std::vector<std::uint8_t> chosen(cloud.size() + cloud.left_out(), 0);
+    for (const std::uint32_t row : wanted) chosen[row] = 1;
+    std::vector<std::uint32_t> grid_rows;
+    for (std::uint32_t row = 0; row < described.grid.size(); ++row) {
+      if (chosen[described.input_rows[row]] != 0) grid_rows.push_back(row);
+    }
+    const features::Descriptors found = features::fpfh(described.grid, grid_rows, radius);
+    // In the order of the caller's rows.
+    std::vector<std::size_t> order(found.size());
+    std::iota(order.begin(), order.end(), std::size_t{0});
+    const auto input_row = [&](std::size_t k) { return described.input_rows[found.rows[k]]; };
+    std::sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) { return input_row(a) < input_row(b); });
+    descriptors.length = found.length;
+    for (const std::size_t k : order) {
+      described_rows.push_back(input_row(k));
+      const auto first = found.values.begin() + static_cast<std::ptrdiff_t>(k * found.length);
+      descriptors.values.insert(descriptors.values.end(), first, first + static_cast<std::ptrdiff_t>(found.length));
+    }
+  }
+  const std::size_t count = described_rows.size();
+  return nb::make_tuple(to_array<Array<float, -1, 33>>(std::move(descriptors.values), {count, 33}),
+                        to_array(std::move(described_rows)));
+}
+
+using Descriptors = nb::ndarray<const float, nb::ndim<2>, nb::c_contig, nb::device::cpu>;
+
+nb::tuple match(const Descriptors& source, const Descriptors& target, std::size_t best, bool mutual, double ratio) {
+  if (source.shape(1) != target.shape(1)) {
+    throw nb::value_error("source and target have descriptors of different lengths");
+  }
+  const features::MatchOptions options{best, mutual, ratio};
+  std::vector<features::Match> matches;
+  {
+    const nb::gil_scoped_release released;
+    matches = features::match({source.data(), source.size()}, {target.data(), target.size()}, source.shape(1), options);
+  }
+  std::vector<std::int64_t> pairs;
+  std::vector<float> distances;
+  for (const features::Match& m : matches) {
+    pairs.insert(pairs.end(), {m.source, m.target});
+    distances.push_back(m.distance);
+  }
+  return nb::make_tuple(to_array<Array<std::int64_t, -1, 2>>(std::move(pairs), {matches.size(), 2}),
+                        to_array(std::move(distances)));
+}
+
+nb::tuple summary(const features::CloudSummary& cloud) {
+  return nb::make_tuple(cloud.points, cloud.left_out, cloud.voxels, cloud.descriptors, cloud.resolution);
+}
+
+nb::dict match_clouds(ArrayLike source, ArrayLike target, std::optional<double> voxel, double normal_radius,
+                      double descriptor_radius, std::optional<std::size_t> keypoints, std::size_t best, bool mutual,
+                      double ratio, std::uint64_t seed, const Viewpoint& source_viewpoint,
+                      const Viewpoint& target_viewpoint, std::optional<double> missing, std::optional<int> threads) {
+  const auto source_cloud = std::make_shared<const Cloud>(cloud_from(source, "source", missing));
+  const auto target_cloud = std::make_shared<const Cloud>(cloud_from(target, "target", missing));
+  const features::CloudMatchingOptions options{
+      voxel, normal_radius,    descriptor_radius, keypoints, {best, mutual, ratio},
+      seed,  source_viewpoint, target_viewpoint};
+  const std::optional<int> limit = checked_threads(threads);
+  const auto result = interruptible_result<std::shared_ptr<features::CloudMatches>>([=] {
+    return with_threads(limit, [&] {
+      return std::make_shared<features::CloudMatches>(features::match_clouds(*source_cloud, *target_cloud, options));
+    });
+  });
+  nb::dict fields;
+  fields["source_points"] = points_array(result->source_points);
+  fields["target_points"] = points_array(result->target_points);
+  std::vector<float> distances;
+  for (const features::Match& m : result->matches) distances.push_back(m.distance);
+  fields["distances"] = to_array(std::move(distances));
+  fields["source"] = summary(result->source);
+  fields["target"] = summary(result->target);
+  fields["voxel"] = result->voxel;
+  fields["noise_bound"] = result->noise_bound;
+  fields["hint"] = result->hint;
+  nb::list stages;
+  for (const StageReport& stage : result->stages) {
+    stages.append(nb::make_tuple(stage.name, stage.input, stage.output, stage.iterations, stage.seconds));
+  }
+  fields["stages"] = stages;
+  return fields;
+}
+
+}  // namespace
+
+void bind_features(nb::module_& module) {
+  module.def("voxel_grid", &voxel_grid, nb::arg("points"), nb::arg("voxel"), nb::arg("missing").none());
+  module.def("normals", &normals, nb::arg("points"), nb::arg("radius"), nb::arg("viewpoint").none(),
+             nb::arg("missing").none());
+  module.def("fpfh", &fpfh, nb::arg("points"), nb::arg("radius"), nb::arg("normal_radius"), nb::arg("rows").none(),
+             nb::arg("viewpoint").none(), nb::arg("missing").none());
+  module.def("match", &match, nb::arg("source"), nb::arg("target"), nb::arg("best"), nb::arg("mutual"),
+             nb::arg("ratio"));
+  module.def("match_clouds", &match_clouds, nb::arg("source"), nb::arg("target"), nb::arg("voxel").none(),
+             nb::arg("normal_radius"), nb::arg("descriptor_radius"), nb::arg("keypoints").none(), nb::arg("best"),
+             nb::arg("mutual"), nb::arg("ratio"), nb::arg("seed"), nb::arg("source_viewpoint").none(),
+             nb::arg("target_viewpoint").none(), nb::arg("missing").none(), nb::arg("threads").none());
+}
+
+}  // namespace consimd::python

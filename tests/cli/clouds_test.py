@@ -1,0 +1,108 @@
+"""consimd match and consimd register of two clouds."""
+
+import json
+import math
+import random
+import struct
+import unittest
+
+from command import CommandTest
+
+
+def room(seed, count=20000):
+    """Points on the floor and two walls of a room with boxes; no two corners are alike."""
+    draw = random.Random(seed)
+    boxes = random.Random(1)
+    corners = [[boxes.uniform(-4, 4), boxes.uniform(-4, 4), 0] for _ in range(12)]
+    sizes = [[boxes.uniform(0.3, 1.2), boxes.uniform(0.3, 1.2), boxes.uniform(0.5, 2)] for _ in range(12)]
+    points = []
+    for _ in range(count):
+        u, v = draw.random(), draw.random()
+        kind = draw.randrange(5)
+        if kind == 0:
+            p = [10 * u - 5, 10 * v - 5, 0]
+        elif kind == 1:
+            p = [5, 10 * u - 5, 3 * v]
+        elif kind == 2:
+            p = [4 * u - 4, 5, 3 * v]
+        else:
+            box, side = draw.randrange(12), draw.randrange(3)
+            share = [u, v, u]
+            share[side], share[(side + 1) % 3], share[(side + 2) % 3] = 1, u, v
+            p = [corners[box][c] + sizes[box][c] * share[c] for c in range(3)]
+        points.append([x + draw.uniform(-0.01, 0.01) for x in p])
+    return points
+
+
+class Clouds(CommandTest):
+    def clouds(self):
+        """Two scans of the room, the target turned by 0.3 rad about z and moved; a PLY file and text."""
+        source = b"".join(struct.pack("<3f", *p) for p in room(1))
+        header = "ply\nformat binary_little_endian 1.0\nelement vertex 20000\n"
+        header += "".join(f"property float {axis}\n" for axis in "xyz") + "end_header\n"
+        (self.folder / "source.ply").write_bytes(header.encode() + source)
+        c, s = math.cos(0.3), math.sin(0.3)
+        lines = [f"{c * x - s * y + 1} {s * x + c * y - 0.5} {z}" for x, y, z in room(2)]
+        (self.folder / "target.xyz").write_text("\n".join(lines + ["nan nan nan"]) + "\n")
+        (self.folder / "pose.txt").write_text(f"{c} {-s} 0 1\n{s} {c} 0 -0.5\n0 0 1 0\n")
+        return "source.ply", "target.xyz"
+
+    def test_register(self):
+        source, target = self.clouds()
+        result = json.loads(self.run_command("register", source, target, "--truth", "pose.txt", "--json", "-"))
+        run = result["runs"][0]
+        self.assertEqual(run["status"], "success")
+        self.assertLess(run["rotation_error_deg"], 1)
+        self.assertLess(run["translation_error"], 0.1)
+        self.assertEqual(result["file"], "source.ply and target.xyz")
+        clouds = result["clouds"]
+        self.assertEqual((clouds["source"]["points"], clouds["target"]["left_out"]), (20000, 1))
+        self.assertEqual([stage["name"] for stage in clouds["stages"]],
+                         ["choose_voxel", "voxel_grid", "normals", "fpfh", "matches"])
+        self.assertEqual((clouds["keypoints"], clouds["matches"]), ("random:5000", "mutual:3"))
+        self.assertEqual(result["noise_bound"], run["noise_bound"])
+        mean = (clouds["source"]["resolution"] + clouds["target"]["resolution"]) / 2
+        self.assertAlmostEqual(result["noise_bound"], 3 * mean)
+        text = self.run_command("register", source, target, "--voxel", 0.15, "--noise-bound", 0.2)
+        self.assertIn("noise bound 0.2,", text)
+        self.assertIn("voxel         0.15, keypoints random:5000, matches mutual:3", text)
+
+    def test_match_writes_what_register_reads(self):
+        source, target = self.clouds()
+        text = self.run_command("match", source, target, "--voxel", 0.15, "--out", "pair")
+        self.assertIn("correspondences in pair/correspondences.txt", text)
+        self.run_command("register", source, target, "--voxel", 0.15, "--save-correspondences", "saved.txt")
+        saved = (self.folder / "saved.txt").read_text()
+        self.assertEqual(saved, (self.folder / "pair/correspondences.txt").read_text())
+        result = json.loads(self.run_command("register", "saved.txt", "--noise-bound", 0.3, "--json", "-"))
+        self.assertEqual(result["correspondences"], saved.count("\n") - 1)
+        self.assertEqual(result["runs"][0]["status"], "success")
+
+    def test_choices(self):
+        source, target = self.clouds()
+        few = json.loads(self.run_command("register", source, target, "--keypoints", "random:500", "--matches",
+                                          "nearest:1", "--voxel", 0.2, "--json", "-"))
+        self.assertEqual(few["clouds"]["source"]["descriptors"], 500)
+        self.assertEqual(few["correspondences"], 500)
+
+    def test_errors(self):
+        source, target = self.clouds()
+        (self.folder / "empty.xyz").write_text("")
+        (self.folder / "cut.ply").write_bytes((self.folder / source).read_bytes()[:-1])
+        self.assert_error("register", source, "empty.xyz", says="the target cloud is empty")
+        self.assert_error("register", "cut.ply", target, says="cut.ply: ends before its 20000 points do")
+        self.assert_error("register", source, target, "--voxel", 500, says="voxel is 500")
+        self.assert_error("register", source, target, "--voxel", 1e-9, says="voxel is 1e-09")
+        self.assert_error("register", source, target, "--keypoints", "some", says="--keypoints: expected all or random:COUNT")
+        self.assert_error("match", source, target, "--matches", "mutual:9", says="--matches: expected mutual:K")
+        self.assert_error("register", source, target, "--estimate-scale", says="--estimate-scale")
+        self.assert_error("register", "pose.txt", "--voxel", 1, says="are of two clouds")
+        self.assert_error("register", "-", "-", says="the standard input holds one cloud")
+        self.assert_error("register", source, says="source.ply: not a file of correspondences; a cloud needs the TARGET")
+        self.assert_error("register", "absent.ply", says="absent.ply: cannot read")
+        self.assert_error("match", source, "absent.ply", "--out", "pair", says="absent.ply: cannot read")
+        self.assertFalse((self.folder / "pair").exists())
+
+
+if __name__ == "__main__":
+    unittest.main()
