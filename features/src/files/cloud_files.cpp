@@ -1,9 +1,11 @@
 #include <consimd/features/cloud_files.hpp>
 
 #include <cerrno>
+#include <cstddef>
+#include <cstdint>
 #include <fstream>
 #include <iostream>
-#include <iterator>
+#include <string>
 #include <system_error>
 
 #include "files/records.hpp"
@@ -11,8 +13,22 @@
 namespace consimd::features {
 namespace {
 
+/// What is left of a stream. `expected`: how much that may be.
+std::string rest_of(std::istream& stream, std::size_t expected) {
+  constexpr std::size_t kBlock = std::size_t{1} << 20;
+  std::string bytes;
+  bytes.reserve(expected + kBlock);
+  while (stream) {
+    const std::size_t before = bytes.size();
+    bytes.resize(before + kBlock);
+    stream.read(bytes.data() + before, kBlock);
+    bytes.resize(before + static_cast<std::size_t>(stream.gcount()));
+  }
+  return bytes;
+}
+
 std::string contents(const std::filesystem::path& path) {
-  if (path == "-") return {std::istreambuf_iterator<char>(std::cin), std::istreambuf_iterator<char>()};
+  if (path == "-") return rest_of(std::cin, 0);
   std::error_code ignored;
   if (std::filesystem::is_directory(path, ignored)) {
     throw std::runtime_error(path.string() + ": is a folder, expected a file");
@@ -22,7 +38,8 @@ std::string contents(const std::filesystem::path& path) {
   if (!file) {
     throw std::runtime_error(path.string() + ": cannot read: " + std::generic_category().message(errno));
   }
-  return {std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
+  const std::uintmax_t size = std::filesystem::file_size(path, ignored);  // of what is no file: the largest number
+  return rest_of(file, ignored ? 0 : static_cast<std::size_t>(size));
 }
 
 detail::Coordinates coordinates(std::string_view bytes, const std::filesystem::path& path) {

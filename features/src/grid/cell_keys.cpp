@@ -8,6 +8,8 @@
 #include <string>
 #include <utility>
 
+#include "grid/box.hpp"
+
 namespace consimd::features::detail {
 namespace {
 
@@ -28,12 +30,11 @@ CellKeys::CellKeys(const Cloud& cloud, double side, const char* name) {
   const CloudView view = cloud.view();
   per_length_ = 1.0 / (side * view.scale());
   std::array<std::uint64_t, 3> sizes{};
+  const Box box = box_around(cloud);
   for (std::size_t c = 0; c < 3; ++c) {
     points_[c] = view.points(c);
-    if (cloud.empty()) continue;
-    const auto [low, high] = std::minmax_element(points_[c], points_[c] + cloud.size());
-    low_[c] = static_cast<double>(*low);
-    const double length = static_cast<double>(*high) - low_[c];
+    low_[c] = static_cast<double>(box.low[c]);
+    const double length = static_cast<double>(box.high[c]) - low_[c];
     if (!(length * per_length_ < kMostCells)) {
       throw std::invalid_argument(std::string(name) + " is " + shown(side) + " and the cloud " +
                                   shown(length / view.scale()) + " long, expected one above " +

@@ -55,7 +55,8 @@ void search(const FixedPointDescriptors& source, const FixedPointDescriptors& ta
             BestMatches& of_target) {
   constexpr std::size_t kSmallestBlock = 256;
   const auto threads = static_cast<std::size_t>(tbb::this_task_arena::max_concurrency());
-  const std::size_t blocks = std::clamp<std::size_t>(source.size() / kSmallestBlock, 1, threads == 1 ? 1 : 4 * threads);
+  // Few: each begins with empty lists of the targets, which take many entries until they are good.
+  const std::size_t blocks = std::clamp<std::size_t>(source.size() / kSmallestBlock, 1, threads == 1 ? 1 : 2 * threads);
   if (blocks == 1) return best_matches(source, 0, source.size(), target, of_source, of_target);
   std::vector<BestMatches> parts;
   for (std::size_t b = 0; b < blocks; ++b) parts.emplace_back(target.size(), of_target.k());

@@ -15,16 +15,17 @@
 #include <consimd/features/point_subset.hpp>
 #include <consimd/features/voxel_grid.hpp>
 
+#include "grid/box.hpp"
+
 namespace consimd::features {
 namespace {
 
 /// Longest side of the box around a cloud, caller's unit.
 double extent(const Cloud& cloud) {
-  const CloudView view = cloud.view();
+  const detail::Box box = detail::box_around(cloud);
   double longest = 0.0;
   for (std::size_t c = 0; c < 3; ++c) {
-    const auto [low, high] = std::minmax_element(view.points(c), view.points(c) + cloud.size());
-    longest = std::max(longest, static_cast<double>(*high) - static_cast<double>(*low));
+    longest = std::max(longest, static_cast<double>(box.high[c]) - static_cast<double>(box.low[c]));
   }
   return longest / cloud.scale();
 }

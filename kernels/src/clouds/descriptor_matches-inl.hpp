@@ -1,5 +1,7 @@
 #pragma once
 
+#include <utility>
+
 #include "../simd.hpp"
 #include "cloud_kernels.hpp"
 
@@ -56,26 +58,39 @@ class MatchTile {
         }
       }
     }
-    for (std::size_t q = 0; q < kRows; ++q) {
-      for (std::size_t r = 0; r < kRegisters; ++r) enter(i + q, j + part + r * kWidth<Arch>, products[q][r]);
-    }
+    // No loop: a register with a number that is known only at run time would live in memory, in the loop above as well.
+    [&]<std::size_t... kRow>(std::index_sequence<kRow...>) { (enter_if_near(i + kRow, j + part, products[kRow]), ...); }
+    (std::make_index_sequence<kRows>());
   }
 
-  void enter(std::size_t i, std::size_t j, const IntBatch<Arch>& products) const {
-    const IntBatch<Arch> norms = IntBatch<Arch>(queries_.squared_norms[i]) + load(targets_.squared_norms + j);
-    const IntBatch<Arch> distances = norms - (products + products);
+  /// Enters those targets from j on, as many as there are products, that are near enough for one of the two lists.
+  void enter_if_near(std::size_t i, std::size_t j, const IntBatch<Arch> (&products)[kRegisters]) const {
     const std::size_t last = k_ - 1;
-    const IntBatch<Arch> limit_of_query(of_queries_.distances[last * of_queries_.stride + i]);
-    const IntBatch<Arch> limit_of_targets = load(of_targets_.distances + last * of_targets_.stride + j);
-    std::uint64_t bits = bitmask(distances < limit_of_query) | bitmask(distances < limit_of_targets);
-    if (bits == 0) return;
-    alignas(64) std::int32_t lanes[kWidth<Arch>];
-    distances.store_aligned(lanes);
+    // Beside the query's norm, which is common to all: it is added when a target enters.
+    const std::int32_t norm = queries_.squared_norms[i];
+    const IntBatch<Arch> limit_of_query(of_queries_.distances[last * of_queries_.stride + i] - norm);
+    const IntBatch<Arch> norm_of_query(norm);
+    IntBatch<Arch> distances[kRegisters];
+    std::uint64_t bits = 0;
+    for (std::size_t r = 0; r < kRegisters; ++r) {
+      const std::size_t at = j + r * kWidth<Arch>;
+      distances[r] = load(targets_.squared_norms + at) - (products[r] + products[r]);
+      const IntBatch<Arch> limit_of_targets =
+          load(of_targets_.distances + last * of_targets_.stride + at) - norm_of_query;
+      bits |= bitmask((distances[r] < limit_of_query) | (distances[r] < limit_of_targets)) << (r * kWidth<Arch>);
+    }
+    if (__builtin_expect(bits == 0, 1)) return;
+    alignas(64) std::int32_t lanes[kSpan];
+    for (std::size_t r = 0; r < kRegisters; ++r) (distances[r] + norm_of_query).store_aligned(lanes + r * kWidth<Arch>);
+    enter(i, j, bits, lanes);
+  }
+
+  [[gnu::noinline]] void enter(std::size_t i, std::size_t j, std::uint64_t bits, const std::int32_t* distances) const {
     for (; bits != 0; bits &= bits - 1) {
       const auto l = static_cast<std::size_t>(__builtin_ctzll(bits));
       if (j + l >= targets_.size) return;
-      enter_match(of_queries_, k_, i, lanes[l], static_cast<std::uint32_t>(j + l), Arch{});
-      enter_match(of_targets_, k_, j + l, lanes[l], static_cast<std::uint32_t>(i), Arch{});
+      enter_match(of_queries_, k_, i, distances[l], static_cast<std::uint32_t>(j + l), Arch{});
+      enter_match(of_targets_, k_, j + l, distances[l], static_cast<std::uint32_t>(i), Arch{});
     }
   }
 
@@ -85,7 +100,7 @@ class MatchTile {
   }
 
   static IntBatch<Arch> broadcast_pair(const std::int16_t* pair) {
-    std::int32_t both;
+    std::int32_t both = 0;
     __builtin_memcpy(&both, pair, sizeof(both));
     return IntBatch<Arch>(both);
   }

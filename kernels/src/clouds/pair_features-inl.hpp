@@ -52,7 +52,7 @@ void pair_feature_counts(const RawPoints& cloud, std::uint32_t point, const std:
       const Batch<Arch> reach = cosine * square_root(squared_v);
 
       const auto enter = [k](std::uint64_t& word, const Mask<Arch>& mask) { word |= bitmask(mask) << k; };
-      const Mask<Arch> has_normals = cosine == cosine;
+      const Mask<Arch> has_normals = cosine == cosine;  // NOLINT(misc-redundant-expression): not so of NaN
       const Mask<Arch> valid = (squared_length > zero) & (squared_v > zero) & has_normals;
       bits.valid |= (bitmask(valid) & lowest_bits<Arch>(n - begin - k)) << k;
       enter(bits.negative[0], turned < zero);

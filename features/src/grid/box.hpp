@@ -1,0 +1,19 @@
+// The box around a cloud.
+#pragma once
+
+#include <array>
+
+#include <consimd/kernels/cloud.hpp>
+
+namespace consimd::features::detail {
+
+/// Lowest and highest coordinates, working frame.
+struct Box {
+  std::array<float, 3> low{};
+  std::array<float, 3> high{};
+};
+
+/// Of an empty cloud: at the origin, without extent.
+[[nodiscard]] Box box_around(const Cloud& cloud);
+
+}  // namespace consimd::features::detail
