@@ -5,6 +5,7 @@
 #include <stdexcept>
 #include <string_view>
 #include <system_error>
+#include <utility>
 
 #include <fmt/format.h>
 
@@ -23,11 +24,14 @@ std::optional<std::size_t> number_after(std::string_view text, std::string_view 
   return value;
 }
 
-std::optional<std::size_t> keypoints_of(const std::string& text) {
-  if (text == "all") return std::nullopt;
+/// How many keypoints, all where there is no number, and whether they are those of ISS.
+std::pair<std::optional<std::size_t>, bool> keypoints_of(const std::string& text) {
+  if (text == "all") return {std::nullopt, false};
+  if (text == "iss") return {std::nullopt, true};
   constexpr std::size_t kMost = 0xffffffff;
-  if (const auto count = number_after(text, "random", kMost)) return count;
-  throw std::invalid_argument(fmt::format("--keypoints: expected all or random:COUNT, got '{}'", text));
+  if (const auto count = number_after(text, "random", kMost)) return {count, false};
+  if (const auto count = number_after(text, "iss", kMost)) return {count, true};
+  throw std::invalid_argument(fmt::format("--keypoints: expected all, random:COUNT, iss or iss:COUNT, got '{}'", text));
 }
 
 features::MatchOptions matches_of(const std::string& text) {
@@ -50,8 +54,10 @@ void add_cloud_options(CLI::App& command, CloudArguments& arguments) {
                      "Of clouds: side of the voxels that they are thinned out with, in their unit. Chosen such that a "
                      "cloud has about 12000 of them when not given");
   command
-      .add_option("--keypoints", arguments.keypoints,
-                  "Of clouds: the points that are described and matched: random:COUNT of each cloud, or all")
+      .add_option(
+          "--keypoints", arguments.keypoints,
+          "Of clouds: the points that are described and matched: random:COUNT of each cloud, iss, its ISS keypoints, "
+          "or iss:COUNT of them at random, or all")
       ->capture_default_str();
   command
       .add_option("--matches", arguments.matches,
@@ -63,8 +69,10 @@ void add_cloud_options(CLI::App& command, CloudArguments& arguments) {
 }
 
 features::CloudMatchingOptions matching_options(const CloudArguments& arguments, std::uint64_t seed) {
+  const auto [keypoints, iss] = keypoints_of(arguments.keypoints);
   return {.voxel = arguments.voxel,
-          .keypoints = keypoints_of(arguments.keypoints),
+          .keypoints = keypoints,
+          .iss = iss,
           .matches = matches_of(arguments.matches),
           .seed = seed};
 }

@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     import numpy as np
     from numpy.typing import ArrayLike, NDArray
 
-__all__ = ["CloudMatches", "CloudSummary", "fpfh", "match", "match_clouds", "normals", "voxel_grid"]
+__all__ = ["CloudMatches", "CloudSummary", "fpfh", "iss_keypoints", "match", "match_clouds", "normals", "voxel_grid"]
 
 Viewpoint = tuple[float, float, float]
 _ORIGIN = (0.0, 0.0, 0.0)
@@ -75,6 +75,27 @@ def normals(
     return _core.normals(points, radius, viewpoint, missing)
 
 
+def iss_keypoints(
+    points: ArrayLike,
+    radius: float,
+    suppression_radius: float,
+    *,
+    second_to_first: float = 0.975,
+    third_to_second: float = 0.975,
+    fewest_neighbours: int = 5,
+    missing: float | None = None,
+) -> NDArray[np.int64]:
+    """Rows of the points, (K,), ascending, that are ISS keypoints (Zhong 2009): most salient within `suppression_radius`.
+
+    The saliency is the smallest eigenvalue of the covariance of the points within `radius`, of which there are at least
+    `fewest_neighbours` beside the point. second_to_first, third_to_second: largest ratios of the eigenvalues in
+    descending order, above 0, at most 1. Thin the cloud out with `voxel_grid` before: all points weigh the same.
+    """
+    return _core.iss_keypoints(
+        points, radius, suppression_radius, second_to_first, third_to_second, fewest_neighbours, missing
+    )
+
+
 def fpfh(
     points: ArrayLike,
     radius: float,
@@ -112,6 +133,9 @@ def match_clouds(
     voxel: float | None = None,
     *,
     keypoints: int | None = 5000,
+    iss: bool = False,
+    iss_radius: float = 3.0,
+    iss_suppression_radius: float = 2.0,
     best: int = 3,
     mutual: bool = True,
     ratio: float = 1.0,
@@ -126,13 +150,14 @@ def match_clouds(
     """Voxel grid, normals, random points, FPFH and matches of two clouds.
 
     voxel: side of the voxels that both are thinned out with; None: chosen, for about 12 000 of them. keypoints: points of
-    each cloud that are described, drawn at random by the seed; None: all. normal_radius, descriptor_radius: in voxels.
+    each cloud that are described, drawn at random by the seed; None: all. iss: draw only from the ISS keypoints, whose
+    radii are in voxels (see `iss_keypoints`). normal_radius, descriptor_radius: in voxels.
     best, mutual, ratio: as in `match`. threads: at most so many; None: all that the process may use.
 
     ValueError on an empty cloud or a bad value. Ctrl-C raises KeyboardInterrupt at once.
     """
     fields = _core.match_clouds(
-        source, target, voxel, normal_radius, descriptor_radius, keypoints, best, mutual, ratio, seed,
+        source, target, voxel, normal_radius, descriptor_radius, keypoints, iss, iss_radius, iss_suppression_radius, best, mutual, ratio, seed,
         source_viewpoint, target_viewpoint, missing, threads,
     )  # fmt: skip
     for side in ("source", "target"):

@@ -2,6 +2,7 @@
 #include <consimd/features/cell_grid.hpp>
 #include <consimd/features/cloud_matching.hpp>
 #include <consimd/features/fpfh.hpp>
+#include <consimd/features/iss.hpp>
 #include <consimd/features/matching.hpp>
 #include <consimd/features/normals.hpp>
 #include <consimd/features/voxel_grid.hpp>
@@ -93,6 +94,24 @@ Array<float, -1, 3> normals(ArrayLike points, double radius, const Viewpoint& vi
   return to_array<Array<float, -1, 3>>(std::move(values), {size, 3});
 }
 
+Array<std::int64_t, -1> iss_keypoints(ArrayLike points, double radius, double suppression_radius,
+                                      double second_to_first, double third_to_second, std::size_t fewest_neighbours,
+                                      std::optional<double> missing) {
+  const Cloud cloud = cloud_from(points, "points", missing);
+  const features::IssOptions options{checked_radius(radius), suppression_radius, second_to_first, third_to_second,
+                                     fewest_neighbours};
+  std::vector<std::int64_t> rows;
+  {
+    const nb::gil_scoped_release released;
+    const features::CellGrid grid(cloud, std::max(radius, suppression_radius));
+    for (const std::uint32_t row : features::iss_keypoints(grid, options)) {
+      rows.push_back(cloud.input_row(grid.original(row)));
+    }
+    std::sort(rows.begin(), rows.end());
+  }
+  return to_array(std::move(rows));
+}
+
 nb::tuple fpfh(ArrayLike points, double radius, double normal_radius, std::optional<ArrayLike> rows,
                const Viewpoint& viewpoint, std::optional<double> missing) {
   const Cloud cloud = cloud_from(points, "points", missing);
@@ -163,14 +182,23 @@ nb::tuple summary(const features::CloudSummary& cloud) {
 }
 
 nb::dict match_clouds(ArrayLike source, ArrayLike target, std::optional<double> voxel, double normal_radius,
-                      double descriptor_radius, std::optional<std::size_t> keypoints, std::size_t best, bool mutual,
-                      double ratio, std::uint64_t seed, const Viewpoint& source_viewpoint,
-                      const Viewpoint& target_viewpoint, std::optional<double> missing, std::optional<int> threads) {
+                      double descriptor_radius, std::optional<std::size_t> keypoints, bool iss, double iss_radius,
+                      double iss_suppression_radius, std::size_t best, bool mutual, double ratio, std::uint64_t seed,
+                      const Viewpoint& source_viewpoint, const Viewpoint& target_viewpoint,
+                      std::optional<double> missing, std::optional<int> threads) {
   const auto source_cloud = std::make_shared<const Cloud>(cloud_from(source, "source", missing));
   const auto target_cloud = std::make_shared<const Cloud>(cloud_from(target, "target", missing));
-  const features::CloudMatchingOptions options{
-      voxel, normal_radius,    descriptor_radius, keypoints, {best, mutual, ratio},
-      seed,  source_viewpoint, target_viewpoint};
+  const features::CloudMatchingOptions options{.voxel = voxel,
+                                               .normal_radius = normal_radius,
+                                               .descriptor_radius = descriptor_radius,
+                                               .keypoints = keypoints,
+                                               .iss = iss,
+                                               .iss_radius = iss_radius,
+                                               .iss_suppression_radius = iss_suppression_radius,
+                                               .matches = {best, mutual, ratio},
+                                               .seed = seed,
+                                               .source_viewpoint = source_viewpoint,
+                                               .target_viewpoint = target_viewpoint};
   const std::optional<int> limit = checked_threads(threads);
   const auto result = interruptible_result<std::shared_ptr<features::CloudMatches>>([=] {
     return with_threads(limit, [&] {
@@ -202,14 +230,18 @@ void bind_features(nb::module_& module) {
   module.def("voxel_grid", &voxel_grid, nb::arg("points"), nb::arg("voxel"), nb::arg("missing").none());
   module.def("normals", &normals, nb::arg("points"), nb::arg("radius"), nb::arg("viewpoint").none(),
              nb::arg("missing").none());
+  module.def("iss_keypoints", &iss_keypoints, nb::arg("points"), nb::arg("radius"), nb::arg("suppression_radius"),
+             nb::arg("second_to_first"), nb::arg("third_to_second"), nb::arg("fewest_neighbours"),
+             nb::arg("missing").none());
   module.def("fpfh", &fpfh, nb::arg("points"), nb::arg("radius"), nb::arg("normal_radius"), nb::arg("rows").none(),
              nb::arg("viewpoint").none(), nb::arg("missing").none());
   module.def("match", &match, nb::arg("source"), nb::arg("target"), nb::arg("best"), nb::arg("mutual"),
              nb::arg("ratio"));
   module.def("match_clouds", &match_clouds, nb::arg("source"), nb::arg("target"), nb::arg("voxel").none(),
-             nb::arg("normal_radius"), nb::arg("descriptor_radius"), nb::arg("keypoints").none(), nb::arg("best"),
-             nb::arg("mutual"), nb::arg("ratio"), nb::arg("seed"), nb::arg("source_viewpoint").none(),
-             nb::arg("target_viewpoint").none(), nb::arg("missing").none(), nb::arg("threads").none());
+             nb::arg("normal_radius"), nb::arg("descriptor_radius"), nb::arg("keypoints").none(), nb::arg("iss"),
+             nb::arg("iss_radius"), nb::arg("iss_suppression_radius"), nb::arg("best"), nb::arg("mutual"),
+             nb::arg("ratio"), nb::arg("seed"), nb::arg("source_viewpoint").none(), nb::arg("target_viewpoint").none(),
+             nb::arg("missing").none(), nb::arg("threads").none());
 }
 
 }  // namespace consimd::python

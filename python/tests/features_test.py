@@ -66,6 +66,22 @@ def test_the_stages_are_those_of_the_call(scans):
     assert np.array_equal(few, source[5:8])
 
 
+def test_iss_keypoints_are_those_of_the_call(scans):
+    whole = features.match_clouds(*scans, voxel=0.15, keypoints=None, iss=True)
+    voxels = features.voxel_grid(scans[0], 0.15)
+    rows = features.iss_keypoints(voxels, 0.45, 0.3)
+    assert rows.dtype == np.int64 and (np.diff(rows) > 0).all()
+    # The frame of the voxels is another one, which rounds elsewhere.
+    assert abs(len(rows) - whole.source.descriptors) <= 0.02 * len(rows)
+    few = features.iss_keypoints(voxels, 0.45, 0.3, fewest_neighbours=20)
+    assert 0 < len(few) < len(rows)
+    padded = np.insert(voxels, [0, 5, 5], np.nan, axis=0)
+    np.testing.assert_array_equal(padded[features.iss_keypoints(padded, 0.45, 0.3)], voxels[rows])
+    assert [stage.name for stage in whole.stages] == ["voxel_grid", "normals", "iss", "fpfh", "matches"]
+    with pytest.raises(ValueError, match="second_to_first is 2"):
+        features.iss_keypoints(voxels, 0.45, 0.3, second_to_first=2)
+
+
 def test_normals_keep_the_rows_of_the_input():
     points = np.array([[x, y, 0.0] for x in range(5) for y in range(5)], dtype=np.float32)
     points[7] = np.nan

@@ -94,7 +94,8 @@ def test_defaults_of_features_are_those_of_the_library():
     """Of the options structs, and of the command where it has the option."""
     parameters = inspect.signature(consimd.features.match_clouds).parameters
     matching, match = body_of("struct", "CloudMatchingOptions", "features"), body_of("struct", "MatchOptions", "features")
-    for body, names in ((matching, ["normal_radius", "descriptor_radius", "keypoints", "seed"]),
+    for body, names in ((matching, ["normal_radius", "descriptor_radius", "keypoints", "iss", "iss_radius",
+                                      "iss_suppression_radius", "seed"]),
                         (match, ["best", "mutual", "ratio"])):  # fmt: skip
         for name in names:
             (value,) = re.findall(rf" {name} = ([\w.]+);", body)
@@ -102,6 +103,10 @@ def test_defaults_of_features_are_those_of_the_library():
     for name in ("best", "mutual", "ratio"):
         assert inspect.signature(consimd.features.match).parameters[name].default == parameters[name].default
     assert matching.count("_viewpoint = std::array<double, 3>{0.0, 0.0, 0.0};") == 2
+    iss = inspect.signature(consimd.features.iss_keypoints).parameters
+    for name in ("second_to_first", "third_to_second", "fewest_neighbours"):
+        (value,) = re.findall(rf" {name} = ([\w.]+);", body_of("struct", "IssOptions", "features"))
+        assert json.loads(value) == iss[name].default, name
     for name in ("source_viewpoint", "target_viewpoint"):
         assert parameters[name].default == (0.0, 0.0, 0.0)
 

@@ -84,6 +84,15 @@ class Clouds(CommandTest):
                                           "nearest:1", "--voxel", 0.2, "--json", "-"))
         self.assertEqual(few["clouds"]["source"]["descriptors"], 500)
         self.assertEqual(few["correspondences"], 500)
+        iss = json.loads(self.run_command("register", source, target, "--keypoints", "iss", "--voxel", 0.15, "--json",
+                                          "-", "--truth", "pose.txt"))
+        self.assertEqual([stage["name"] for stage in iss["clouds"]["stages"]],
+                         ["voxel_grid", "normals", "iss", "fpfh", "matches"])
+        self.assertEqual(iss["clouds"]["keypoints"], "iss")
+        self.assertLess(iss["clouds"]["source"]["descriptors"], iss["clouds"]["source"]["voxels"] / 10)
+        self.assertLess(iss["runs"][0]["rotation_error_deg"], 2)
+        text = self.run_command("match", source, target, "--keypoints", "iss:90", "--voxel", 0.15, "--out", "few")
+        self.assertEqual(text.count(" 90 described"), 2)
 
     def test_errors(self):
         source, target = self.clouds()
@@ -93,7 +102,7 @@ class Clouds(CommandTest):
         self.assert_error("register", "cut.ply", target, says="cut.ply: ends before its 20000 points do")
         self.assert_error("register", source, target, "--voxel", 500, says="voxel is 500")
         self.assert_error("register", source, target, "--voxel", 1e-9, says="voxel is 1e-09")
-        self.assert_error("register", source, target, "--keypoints", "some", says="--keypoints: expected all or random:COUNT")
+        self.assert_error("register", source, target, "--keypoints", "some", says="--keypoints: expected all, random:COUNT, iss or iss:COUNT, got 'some'")
         self.assert_error("match", source, target, "--matches", "mutual:9", says="--matches: expected mutual:K")
         self.assert_error("register", source, target, "--estimate-scale", says="--estimate-scale")
         self.assert_error("register", "pose.txt", "--voxel", 1, says="are of two clouds")

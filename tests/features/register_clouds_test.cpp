@@ -137,6 +137,20 @@ TEST(RegisterClouds, ChoosesAVoxelForCloudsOfAnySize) {
   EXPECT_NEAR(voxels(volume) / 750.0, 1.0, 0.1);
 }
 
+TEST(RegisterClouds, DrawsFromIssKeypoints) {
+  features::CloudMatchingOptions options{.voxel = 0.15, .keypoints = std::nullopt, .iss = true};
+  const Cloud source = cloud_of(room(20000, 1));
+  const Cloud target = cloud_of(room(20000, 2));
+  const features::CloudMatches all = features::match_clouds(source, target, options);
+  EXPECT_EQ(all.stages[2].name, "iss");
+  EXPECT_GT(all.source.descriptors, 100u);
+  EXPECT_LT(all.source.descriptors, all.source.voxels / 10);
+  options.keypoints = 50;
+  EXPECT_EQ(features::match_clouds(source, target, options).source.descriptors, 50u);
+  options.iss_suppression_radius = 9.0;
+  EXPECT_NE(fault(source, target, {.matching = options}).find("iss_suppression_radius is 9"), std::string::npos);
+}
+
 TEST(RegisterClouds, HintsAtACloudOfOnePlace) {
   const features::CloudMatches matches =
       features::match_clouds(cloud_of(Points(50, {1.0, 2.0, 3.0})), cloud_of(room(3000, 1)));

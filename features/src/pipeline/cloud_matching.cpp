@@ -11,11 +11,13 @@
 
 #include <consimd/features/cell_grid.hpp>
 #include <consimd/features/fpfh.hpp>
+#include <consimd/features/iss.hpp>
 #include <consimd/features/normals.hpp>
 #include <consimd/features/point_subset.hpp>
 #include <consimd/features/voxel_grid.hpp>
 
 #include "grid/box.hpp"
+#include "grid/neighbourhoods.hpp"
 
 namespace consimd::features {
 namespace {
@@ -48,8 +50,12 @@ void require_radii(const CloudMatchingOptions& options) {
     throw std::invalid_argument("descriptor_radius is " + std::to_string(options.descriptor_radius) +
                                 ", expected a number of voxels above 0");
   }
-  if (!(options.normal_radius > 0.0 && options.normal_radius <= options.descriptor_radius)) {
-    throw std::invalid_argument("normal_radius is " + std::to_string(options.normal_radius) +
+  for (const auto& [name, radius] :
+       {std::pair("normal_radius", options.normal_radius), std::pair("iss_radius", options.iss_radius),
+        std::pair("iss_suppression_radius", options.iss_suppression_radius)}) {
+    if (radius > 0.0 && radius <= options.descriptor_radius) continue;
+    if (!options.iss && name != std::string("normal_radius")) continue;
+    throw std::invalid_argument(name + (" is " + std::to_string(radius)) +
                                 ", expected a number of voxels above 0, at most descriptor_radius, " +
                                 std::to_string(options.descriptor_radius));
   }
@@ -84,8 +90,15 @@ struct Side {
   const std::optional<std::array<double, 3>>& viewpoint;
   CloudSummary& summary;
   std::optional<CellGrid> grid = std::nullopt;
+  std::vector<std::uint32_t> keypoints = {};  ///< of the grid, to draw from
   Descriptors descriptors = {};
 };
+
+std::vector<std::uint32_t> drawn(const std::vector<std::uint32_t>& rows, const CloudMatchingOptions& options) {
+  std::vector<std::uint32_t> chosen = random_subset(rows.size(), options.keypoints.value_or(rows.size()), options.seed);
+  for (std::uint32_t& row : chosen) row = rows[row];
+  return chosen;
+}
 
 /// Runs the stages one after another, each on both clouds at the same time.
 class Stages {
@@ -193,9 +206,17 @@ CloudMatches match_clouds(const Cloud& source, const Cloud& target, const CloudM
     estimate_normals(*side.grid, {options.normal_radius * result.voxel, side.viewpoint});
     return std::pair(side.grid->size(), side.grid->size());
   });
+  if (options.iss) {
+    stages.run("iss", [&](Side& side) {
+      side.keypoints = iss_keypoints(*side.grid, {.radius = options.iss_radius * result.voxel,
+                                                  .suppression_radius = options.iss_suppression_radius * result.voxel});
+      return std::pair(side.grid->size(), side.keypoints.size());
+    });
+  } else {
+    for (Side* side : {&of_source, &of_target}) side->keypoints = detail::all_rows(side->grid->size());
+  }
   stages.run("fpfh", [&](Side& side) {
-    const std::size_t count = options.keypoints.value_or(side.grid->size());
-    side.descriptors = fpfh(*side.grid, random_subset(side.grid->size(), count, options.seed), radius);
+    side.descriptors = fpfh(*side.grid, drawn(side.keypoints, options), radius);
     side.summary.descriptors = side.descriptors.size();
     return std::pair(side.grid->size(), side.descriptors.size());
   });

@@ -27,6 +27,11 @@ struct CloudMatchingOptions {
   double descriptor_radius = 5.0;
   /// Points of each cloud, drawn at random, that are described and matched; all where not given.
   std::optional<std::size_t> keypoints = 5000;
+  /// Draw only from the ISS keypoints (see iss.hpp).
+  bool iss = false;
+  /// Radii of these: of the neighbourhood and of the suppression, in voxels; > 0, at most descriptor_radius.
+  double iss_radius = 3.0;
+  double iss_suppression_radius = 2.0;
   MatchOptions matches = {};
   /// Which points are drawn depends on it and on nothing else.
   std::uint64_t seed = 1;
