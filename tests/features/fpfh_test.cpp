@@ -166,6 +166,7 @@ TEST(Match, IsByEuclideanDistance) {
             features::MatchOptions{8, true}, features::MatchOptions{2, false, 0.97}}) {
         const std::vector<features::Match> found = features::match(a, b, length, options);
         std::vector<std::pair<std::uint32_t, std::uint32_t>> pairs;
+        pairs.reserve(found.size());
         for (const features::Match& match : found) pairs.emplace_back(match.source, match.target);
         const auto expected = expected_matches(a, b, length, options);
         // Distances that differ by less than a unit in fixed point may change places.
