@@ -25,21 +25,22 @@ void PrintTo(const Kind& kind, std::ostream* out) { *out << kind.name; }
 
 class Lookalikes : public ::testing::TestWithParam<Kind> {};
 INSTANTIATE_TEST_SUITE_P(Kinds, Lookalikes,
-                         ::testing::Values(Kind{"kept_range", synth::Scene::volume, 40.0, 0.3, 1, 10},
+                         ::testing::Values(Kind{"kept_range", synth::Scene::volume, 40.0, 0.3, 1, 2},
                                            Kind{"planes", synth::Scene::planar, 50.0, 0.3, 1, 2},
                                            Kind{"rings", synth::Scene::rings, 90.0, 0.15, 32, 2},
-                                           Kind{"poles", synth::Scene::poles, 40.0, 0.15, 20, 4},
+                                           Kind{"poles", synth::Scene::poles, 40.0, 0.15, 20, 2},
                                            Kind{"lines", synth::Scene::lines, 30.0, 0.15, 15, 2},
-                                           Kind{"corridor", synth::Scene::corridor, 30.0, 0.1, 1, 4},
-                                           Kind{"room", synth::Scene::room, 5.0, 0.08, 1, 4},
-                                           Kind{"facade", synth::Scene::facade, 25.0, 0.07, 16, 12},
+                                           Kind{"corridor", synth::Scene::corridor, 30.0, 0.1, 1, 2},
+                                           Kind{"room", synth::Scene::room, 5.0, 0.08, 1, 2},
+                                           Kind{"facade", synth::Scene::facade, 25.0, 0.07, 16, 6},
                                            Kind{"grid", synth::Scene::grid, 9.0, 0.1, 6, 2}),
                          [](const auto& test) { return std::string(test.param.name); });
 
 TEST_P(Lookalikes, AreSeldomASuccess) {
-  // Of 60 problems of each kind tcf calls 11 facades, 9 volumes of kept range, 2 sets of poles, 2 corridors and 2 rooms
-  // a success, and none of the others: too many yet. The limits on 30 of them are exceeded by chance in at most one of
-  // two hundred choices of the seed if these rates are the true ones (1 % where there was none).
+  // Of 60 problems of each kind tcf calls 4 facades a success and none of the others; of 360 with other seeds some 4 %
+  // of the facades, 1 % of the volumes of kept range and of the corridors. The limits on 30 of them are exceeded by
+  // chance in at most one of two hundred choices of the seed if these rates are the true ones (1 % where there was
+  // none).
   constexpr std::uint64_t kTrials = 10;
   constexpr std::array<std::size_t, 3> kSizes{300, 1000, 3000};
   std::uint64_t successes = 0;

@@ -17,40 +17,64 @@ namespace {
 constexpr std::uint32_t kShifts = 32;
 constexpr std::uint32_t kPairs = 4096;
 constexpr std::uint32_t kStratumPairs = 1024;
-// Structure that gives so many hits by chance alone, once in so many times, is none.
+// Structure that gives so many hits by chance alone, once in so many times, is none: one in fifty of all twenty kinds
+// of strata together. Where random pairing gives next to no hits, no number of them is that unlikely, and once in
+// twenty is enough.
 constexpr double kNoStructure = 1e-3;
+constexpr double kNoStructureOfFew = 0.05;
+constexpr double kFewHits = 8.0;
 
 // The chance that hits among trials tell of, or that of random pairing where they do not differ from it.
 double structured(double at_random, double hits, double trials) {
-  if (log_binomial_tail(trials, hits, at_random) > std::log(kNoStructure)) return at_random;
+  const double none = at_random * trials < kFewHits ? kNoStructureOfFew : kNoStructure;
+  if (log_binomial_tail(trials, hits, at_random) > std::log(none)) return at_random;
   return std::max(at_random, chance(hits, trials));
 }
 
 }  // namespace
 
 Background::Background(const Correspondences& correspondences, double noise_bound)
-    : view_(correspondences.view()), noise_bound_(noise_bound), coherence_(view_, noise_bound) {
-  for (Strata& strata : kept_strata(correspondences, kNearMisses * noise_bound)) {
-    const PairingHits lengths = strata.lengths(noise_bound, kStratumPairs);
-    kept_.push_back({std::move(strata), lengths});
+    : correspondences_(&correspondences), noise_bound_(noise_bound), coherence_(correspondences.view(), noise_bound) {}
+
+const Background::Structure& Background::structure() const {
+  if (!structure_) {
+    const double apart = kNearMisses * noise_bound_;
+    std::vector<Kept> kept;
+    for (Strata& strata : kept_strata(*correspondences_, apart)) {
+      const PairingHits lengths = strata.lengths(noise_bound_, kStratumPairs);
+      kept.push_back({std::move(strata), lengths});
+    }
+    Lookalikes lookalikes(correspondences_->view(), noise_bound_, apart);
+    const PairingHits lengths = lookalikes.lengths(noise_bound_, kStratumPairs);
+    structure_ = Structure{std::move(kept), std::move(lookalikes), lengths};
   }
+  return *structure_;
 }
 
 double Background::log_false_poses(const WorkingPose& pose) const {
-  const auto size = static_cast<double>(view_.size());
+  const CorrespondenceView view = correspondences_->view();
+  const auto size = static_cast<double>(view.size());
   const double radius = coherence_.length(pose, kLeastRadius, kLargestRadius) * noise_bound_;
-  const Supports found = supports(view_, pose, noise_bound_, radius);
-  const MatchedPoints matched(view_, pose, noise_bound_);
-  const Chances at_random = random_chances(view_, pose, noise_bound_, kPairs, kShifts, RareHits::extrapolated, matched);
+  const Supports found = supports(view, pose, noise_bound_, radius);
+  const MatchedPoints matched(view, pose, noise_bound_);
+  const double reach = noise_bound_ * fit_gain(found);
+  const Chances at_random =
+      random_chances(view, pose, noise_bound_, reach, kPairs, kShifts, RareHits::extrapolated, matched);
   double most = detail::log_false_poses(size, found, at_random);
-  for (const auto& [strata, length] : kept_) {
-    const PairingHits support = strata.support(pose, noise_bound_, matched);
+  const auto look = [&](const PairingHits& support, const PairingHits& lengths) {
     Chances chances;
     for (std::size_t b = 0; b < kTestedBounds.size(); ++b) {
       chances.support[b] = structured(at_random.support[b], support.hits[b], support.trials);
-      chances.length[b] = structured(at_random.length[b], length.hits[b], length.trials);
+      chances.length[b] = structured(at_random.length[b], lengths.hits[b], lengths.trials);
     }
     most = std::max(most, detail::log_false_poses(size, found, chances));
+  };
+  if (most >= 0.0) return most;
+  const Structure& all = structure();
+  look(all.lookalikes.support(pose, reach, matched), all.lookalike_lengths);
+  for (const auto& [strata, lengths] : all.kept) {
+    if (most >= 0.0) break;
+    look(strata.support(pose, reach, matched), lengths);
   }
   return most;
 }

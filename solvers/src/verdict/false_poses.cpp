@@ -30,6 +30,12 @@ double log_binomial_tail(double n, double k, double p) {
   return std::min(0.0, -n * divergence - 0.5 * std::log(std::max(spread, 1.0)) - std::log(1.0 - ratio));
 }
 
+double fit_gain(const Supports& supports) {
+  // Three rows leave no residuals; from four on the ratio is a number.
+  const double count = std::max(supports.front().count, 4.0);
+  return std::sqrt((count + 2.0) / (count - 2.0));
+}
+
 double log_false_poses(double size, const Supports& supports, const Chances& chances) {
   double least = log_triples(size);
   for (std::size_t b = 0; b < kTestedBounds.size(); ++b) {
@@ -42,15 +48,14 @@ double log_false_poses(double size, const Supports& supports, const Chances& cha
   return least + std::log(static_cast<double>(kTestedBounds.size()));
 }
 
-Chances random_chances(const CorrespondenceView& view, const WorkingPose& pose, double noise_bound, std::uint32_t pairs,
-                       std::uint32_t shifts, RareHits rare, const MatchedPoints& matched) {
+Chances random_chances(const CorrespondenceView& view, const WorkingPose& pose, double noise_bound, double reach,
+                       std::uint32_t pairs, std::uint32_t shifts, RareHits rare, const MatchedPoints& matched) {
   const std::vector<std::uint32_t> explained = pose_inliers(view, pose, noise_bound);
   const LengthChance length_chance(view, explained, pairs, kFixedSeed);
   Chances result;
   for (std::size_t b = 0; b < kTestedBounds.size(); ++b) {
-    const double bound = kTestedBounds[b] * noise_bound;
-    result.support[b] = pose_chance(view, pose, bound, shifts, rare, matched);
-    result.length[b] = length_chance(2.0 * bound);
+    result.support[b] = pose_chance(view, pose, kTestedBounds[b] * reach, shifts, rare, matched);
+    result.length[b] = length_chance(2.0 * kTestedBounds[b] * noise_bound);
   }
   return result;
 }

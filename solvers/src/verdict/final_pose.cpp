@@ -2,13 +2,18 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
+#include <numbers>
 #include <utility>
 
 #include <consimd/solvers/pose_refinement.hpp>
 
 #include "call/stage_clock.hpp"
 #include "verdict/ambiguity.hpp"
+#include "verdict/false_poses.hpp"
 #include "verdict/pose_checks.hpp"
+#include "verdict/shifted_motion.hpp"
+#include "verdict/supporters.hpp"
 
 namespace consimd::detail {
 namespace {
@@ -18,6 +23,11 @@ constexpr double kSigmaPerBound = 1.0 / 3.0;
 // Scales of right poses differ from 1 by less.
 constexpr double kCalibration = 0.02;
 constexpr double kScaleDeviations = 5.0;
+
+// log10 of false poses down to which repeated structure is looked for: three times what success needs. A shift with
+// less than half of the support does not repeat the pose.
+constexpr double kRepeatable = 3.0 * kSignificant;
+constexpr double kRepeatedShare = 0.5;
 
 // A close look at a pose that a glance leaves in doubt.
 double significance_if_doubtful(const Correspondences& correspondences, const PoseTest& test, const WorkingPose& pose) {
@@ -43,13 +53,33 @@ std::optional<RunnerUp> runner_up(const Correspondences& correspondences, const 
 // log10 by which the best pose is more significant than another motion: what that reaches in the same data, structure
 // reaches that no stratum knows of. A motion whose supporters are mostly those of the best pose tells nothing.
 double lead(const Correspondences& correspondences, const PoseTest& test, const BestPoses& poses,
-            const RunnerUp& rival) {
-  const WorkingPose other = to_working_pose(to_working_frame(rival.T_target_source, correspondences));
+            const WorkingPose& other) {
   const std::vector<std::uint32_t> rows = pose_inliers(correspondences.view(), other, test.noise_bound);
   const auto shared = std::ranges::count_if(rows, [&](std::uint32_t row) { return poses.best_explains(row); });
   const double of_best = test.log10_false_poses(correspondences, poses.best().pose);
   if (2 * static_cast<std::size_t>(shared) > rows.size()) return of_best;
   return of_best - std::min(0.0, test.log10_false_poses(correspondences, other));
+}
+
+// log10 of the chance that a motion as well supported as the best of those that differ from the best pose by a shift is
+// supported as well as the best pose, where such a shift has more support than chance and strata give, and at least
+// half that of the best pose: where windows repeat every pose on them has some support, and only what stands out
+// against that tells of a motion.
+double lead_over_shift(const Correspondences& correspondences, const PoseTest& test, const BestPoses& poses) {
+  constexpr double kNone = -std::numeric_limits<double>::infinity();
+  const PoseCandidate shifted = shifted_motion(correspondences, poses, test.noise_bound);
+  const auto needed = kRepeatedShare * static_cast<double>(poses.best().support.count);
+  if (shifted.support.count < 3 || static_cast<double>(shifted.support.count) < needed ||
+      poses.same_motion_as_best(shifted.pose) ||
+      test.log10_false_poses(correspondences, poses.best().pose) < kRepeatable ||
+      test.log10_false_poses(correspondences, shifted.pose) >= 0.0) {
+    return kNone;
+  }
+  const auto size = static_cast<double>(correspondences.size());
+  const auto independent = [&](const WorkingPose& pose) {
+    return supports(correspondences.view(), pose, test.noise_bound, kLargestRadius * test.noise_bound).front().spread;
+  };
+  return log_binomial_tail(size, independent(poses.best().pose), independent(shifted.pose) / size) / std::numbers::ln10;
 }
 
 // Rows that agree in length with three of the supporters.
@@ -145,10 +175,17 @@ void conclude(const Correspondences& correspondences, const PoseTest& test, cons
     result.status = Status::no_consensus;
   } else {
     std::optional<RunnerUp> rival = runner_up(correspondences, test, poses);
-    const bool ambiguous =
-        rival && is_rival(rival->support, poses.best().support.count) && rival->log10_false_poses < kSignificantRival;
+    const bool as_good = rival && is_rival(rival->support, poses.best().support.count);
+    bool ambiguous = as_good && rival->log10_false_poses < kSignificantRival;
     if (rival && !ambiguous && rival->log10_false_poses < 0.0) {
-      result.log10_false_poses = std::max(result.log10_false_poses, lead(correspondences, test, poses, *rival));
+      const WorkingPose other = to_working_pose(to_working_frame(rival->T_target_source, correspondences));
+      const double ahead = lead(correspondences, test, poses, other);
+      // One that would be a success itself is told of, not held against the best pose.
+      ambiguous = as_good && rival->log10_false_poses < kSignificant && ahead >= kSignificant;
+      if (!ambiguous) result.log10_false_poses = std::max(result.log10_false_poses, ahead);
+    }
+    if (!ambiguous && final.log10_false_poses > kRepeatable) {
+      result.log10_false_poses = std::max(result.log10_false_poses, lead_over_shift(correspondences, test, poses));
     }
     if (result.log10_false_poses >= kSignificant) {
       result.status = Status::no_consensus;

@@ -29,21 +29,23 @@ constexpr double kSafety = 4.0;
 // ln of false poses from which on a first glance is enough.
 constexpr double kEnough = detail::kBeyondDoubt * std::numbers::ln10;
 
+// Bounds are compared by it, and what a fit gains is about the same at all of them.
 double plain_look(const CorrespondenceView& view, const WorkingPose& pose, double noise_bound) {
   const detail::MatchedPoints matched(view, pose, noise_bound);
-  const detail::Chances chances = detail::random_chances(view, pose, noise_bound, kPlainPairs, kGlanceShifts,
-                                                         detail::RareHits::extrapolated, matched);
   const detail::Supports found = detail::supports(view, pose, noise_bound, detail::kLeastRadius * noise_bound);
+  const detail::Chances chances = detail::random_chances(view, pose, noise_bound, noise_bound, kPlainPairs,
+                                                         kGlanceShifts, detail::RareHits::extrapolated, matched);
   return detail::log_false_poses(static_cast<double>(view.size()), found, chances);
 }
 
 double glance(const CorrespondenceView& view, const WorkingPose& pose, double noise_bound) {
   const detail::MatchedPoints matched(view, pose, noise_bound);
-  detail::Chances chances =
-      detail::random_chances(view, pose, noise_bound, kGlancePairs, kGlanceShifts, detail::RareHits::laplace, matched);
+  const detail::Supports found = detail::supports(view, pose, noise_bound, detail::kLargestRadius * noise_bound);
+  const double reach = noise_bound * detail::fit_gain(found);
+  detail::Chances chances = detail::random_chances(view, pose, noise_bound, reach, kGlancePairs, kGlanceShifts,
+                                                   detail::RareHits::laplace, matched);
   for (double& chance : chances.support) chance = std::min(1.0, kStrongestStructure * chance);
   for (double& chance : chances.length) chance = std::min(1.0, kStrongestLikeness * chance);
-  const detail::Supports found = detail::supports(view, pose, noise_bound, detail::kLargestRadius * noise_bound);
   return detail::log_false_poses(static_cast<double>(view.size()), found, chances);
 }
 
@@ -52,12 +54,13 @@ double second_glance(const Correspondences& correspondences, const WorkingPose& 
   const CorrespondenceView view = correspondences.view();
   const auto size = static_cast<double>(view.size());
   const detail::Supports found = detail::supports(view, pose, noise_bound, detail::kLargestRadius * noise_bound);
+  const double reach = noise_bound * detail::fit_gain(found);
   const detail::MatchedPoints matched(view, pose, noise_bound);
-  detail::Chances chances =
-      detail::random_chances(view, pose, noise_bound, kGlancePairs, kGlanceShifts, detail::RareHits::laplace, matched);
+  detail::Chances chances = detail::random_chances(view, pose, noise_bound, reach, kGlancePairs, kGlanceShifts,
+                                                   detail::RareHits::laplace, matched);
   for (double& chance : chances.length) chance = std::min(1.0, kStrongestLikeness * chance);
   for (const detail::Strata& strata : detail::sampled_strata(correspondences, detail::kNearMisses * noise_bound)) {
-    const detail::PairingHits kept = strata.support(pose, noise_bound, matched);
+    const detail::PairingHits kept = strata.support(pose, reach, matched);
     for (std::size_t b = 0; b < detail::kTestedBounds.size(); ++b) {
       chances.support[b] = std::max(chances.support[b], kSafety * detail::chance(kept.hits[b], kept.trials));
     }

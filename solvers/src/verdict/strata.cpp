@@ -79,6 +79,7 @@ PairingHits Strata::support(const WorkingPose& pose, double bound, const Matched
     const Point p = moved(pose, source_point(view_, rows_[position]));
     std::uint32_t reached =
         mates & closer(&targets_[0][begin], &targets_[1][begin], &targets_[2][begin], p, limit, squared);
+    if (reached == 0) continue;
     const double share = 1.0 / std::popcount(mates);
     for (; reached != 0; reached &= reached - 1) {
       const auto j = static_cast<std::size_t>(std::countr_zero(reached));

@@ -1,0 +1,137 @@
+#include "verdict/lookalikes.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstddef>
+#include <numeric>
+#include <utility>
+
+#include "sampling/counter_random.hpp"
+#include "support/points.hpp"
+
+namespace consimd::detail {
+namespace {
+
+// Places of the target that fewer rows have tell nothing of lookalikes: the three nearest descriptors of each, which is
+// what matchers give, have one right answer among them more often than chance has it.
+constexpr std::size_t kLeastRows = static_cast<std::size_t>(kManyRows);
+// Edge of the cells that are places, in noise bounds: six deviations of a residual.
+constexpr double kPlace = 2.0;
+// Sources that are looked at for each row, and rows of each of them.
+constexpr std::size_t kSources = 8;
+constexpr std::size_t kRows = 4;
+
+// Draws are the same whatever the caller's seed is: a pose has one significance.
+constexpr std::uint64_t kFixedSeed = 0;
+
+// The points of one cloud, place by place.
+class Places {
+ public:
+  template <typename PointOf>
+  Places(std::size_t size, double edge, const PointOf& point_of) : place_(size), rows_(size) {
+    std::vector<std::array<double, 3>> cells(size);
+    for (std::size_t row = 0; row < size; ++row) {
+      const Point p = point_of(row);
+      cells[row] = {std::floor(p.x / edge), std::floor(p.y / edge), std::floor(p.z / edge)};
+    }
+    std::iota(rows_.begin(), rows_.end(), 0U);
+    std::ranges::stable_sort(rows_, {}, [&](std::uint32_t row) { return cells[row]; });
+    for (std::size_t k = 0; k < size; ++k) {
+      if (k == 0 || cells[rows_[k]] != cells[rows_[k - 1]]) first_.push_back(static_cast<std::uint32_t>(k));
+      place_[rows_[k]] = static_cast<std::uint32_t>(first_.size() - 1);
+    }
+    first_.push_back(static_cast<std::uint32_t>(size));
+  }
+
+  [[nodiscard]] std::uint32_t place(std::uint32_t row) const { return place_[row]; }
+  [[nodiscard]] std::size_t rows(std::uint32_t place) const { return first_[place + 1] - first_[place]; }
+
+  // The k-th of up to `most` rows at a place, from all over them.
+  template <typename Visit>
+  void visit(std::uint32_t place, std::size_t most, const Visit& visit) const {
+    const std::size_t begin = first_[place];
+    const std::size_t count = std::min(rows(place), most);
+    for (std::size_t k = 0; k < count; ++k) visit(rows_[begin + k * rows(place) / count]);
+  }
+
+ private:
+  std::vector<std::uint32_t> place_;  // of a row
+  std::vector<std::uint32_t> rows_;   // place by place
+  std::vector<std::uint32_t> first_;  // in rows_, of a place; one more: the end
+};
+
+}  // namespace
+
+Lookalikes::Lookalikes(const CorrespondenceView& view, double noise_bound, double apart)
+    : view_(view), end_(view.size()) {
+  const auto size = static_cast<std::uint32_t>(view.size());
+  const double edge = kPlace * noise_bound * view.scale();
+  const Places sources(size, edge, [&](std::size_t row) { return source_point(view, row); });
+  const Places targets(size, edge, [&](std::size_t row) { return target_point(view, row); });
+  using Pair = std::pair<std::uint32_t, std::uint32_t>;
+  std::vector<Pair> matched(size);
+  for (std::uint32_t row = 0; row < size; ++row) matched[row] = {sources.place(row), targets.place(row)};
+  std::ranges::sort(matched);
+  const auto limit = static_cast<float>(apart * view.scale() * apart * view.scale());
+  for (std::uint32_t row = 0; row < size; ++row) {
+    end_[row] = static_cast<std::uint32_t>(mates_.size());
+    const std::uint32_t own = sources.place(row);
+    if (targets.rows(targets.place(row)) < kLeastRows) continue;
+    targets.visit(targets.place(row), kSources, [&](std::uint32_t like) {
+      if (squared_distance(source_point(view, row), source_point(view, like)) < limit) return;
+      sources.visit(sources.place(like), kRows, [&](std::uint32_t mate) {
+        if (std::ranges::binary_search(matched, Pair{own, targets.place(mate)})) return;
+        mates_.push_back(mate);
+      });
+    });
+    end_[row] = static_cast<std::uint32_t>(mates_.size());
+  }
+}
+
+PairingHits Lookalikes::support(const WorkingPose& pose, double bound, const MatchedPoints& matched) const {
+  const double limit = bound * view_.scale();
+  PairingHits result;
+  result.trials = static_cast<double>(mates_.size());
+  for (std::uint32_t row = 0; row < end_.size(); ++row) {
+    const std::uint32_t begin = first(row);
+    const double share = 1.0 / std::max(end_[row] - begin, 1U);
+    const Point p = moved(pose, source_point(view_, row));
+    for (std::uint32_t k = begin; k < end_[row]; ++k) {
+      const double residual = distance(p, target_point(view_, mates_[k]));
+      if (residual >= limit || matched.contains(view_, row, mates_[k])) continue;
+      for (std::size_t b = 0; b < kTestedBounds.size(); ++b) {
+        result.hits[b] += residual < kTestedBounds[b] * limit ? share : 0.0;
+      }
+    }
+  }
+  for (double& hits : result.hits) hits *= result.trials / static_cast<double>(std::max<std::size_t>(end_.size(), 1));
+  return result;
+}
+
+PairingHits Lookalikes::lengths(double bound, std::uint32_t pairs) const {
+  PairingHits result;
+  const auto size = static_cast<std::uint32_t>(end_.size());
+  const double tolerance = 2.0 * bound * view_.scale();
+  for (std::uint32_t k = 0; k < pairs; ++k) {
+    CounterRandom random(kFixedSeed, RandomStage::background, k);
+    const std::uint32_t a = random.below(size);
+    const std::uint32_t b = random.below(size);
+    const auto exchanged = [&](std::uint32_t row) {
+      const std::uint32_t mates = end_[row] - first(row);
+      return mates == 0 ? row : mates_[first(row) + random.below(mates)];
+    };
+    const std::uint32_t from = exchanged(a);
+    const std::uint32_t to = exchanged(b);
+    if (a == b || from == to || from == a || to == b) continue;
+    const double difference = std::abs(distance(source_point(view_, a), source_point(view_, b)) -
+                                       distance(target_point(view_, from), target_point(view_, to)));
+    ++result.trials;
+    for (std::size_t t = 0; t < kTestedBounds.size(); ++t) {
+      if (difference < kTestedBounds[t] * tolerance) ++result.hits[t];
+    }
+  }
+  return result;
+}
+
+}  // namespace consimd::detail

@@ -1,0 +1,108 @@
+#include "verdict/shifted_motion.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <iterator>
+#include <vector>
+
+#include "support/points.hpp"
+#include "verdict/false_poses.hpp"
+
+namespace consimd::detail {
+namespace {
+
+// Rows are gathered in cells of two noise bounds; what agrees may be cut by their faces, so the means of the fullest
+// are moved to where the rows about them are.
+constexpr double kCell = 2.0;
+constexpr std::size_t kStarts = 8;
+constexpr int kMoves = 3;
+
+// What the pose leaves of a row: its target less the moved source, and the cell that this lies in.
+struct Rest {
+  std::array<float, 3> cell;
+  Point vector;
+};
+
+std::vector<Rest> rests(const CorrespondenceView& view, const BestPoses& poses, double bound) {
+  const auto edge = static_cast<float>(kCell * bound);
+  const auto near = static_cast<float>(kNearMisses * bound * kNearMisses * bound);
+  std::vector<Rest> result;
+  for (std::uint32_t row = 0; row < view.size(); ++row) {
+    const Point p = moved(poses.best().pose, source_point(view, row));
+    const Point q = target_point(view, row);
+    if (squared_distance(p, q) < near) continue;
+    const Point d{q.x - p.x, q.y - p.y, q.z - p.z};
+    result.push_back({{std::floor(d.x / edge), std::floor(d.y / edge), std::floor(d.z / edge)}, d});
+  }
+  std::ranges::stable_sort(result, {}, &Rest::cell);
+  return result;
+}
+
+Point mean(const std::vector<Rest>& rests, std::size_t begin, std::size_t end) {
+  double x = 0.0;
+  double y = 0.0;
+  double z = 0.0;
+  for (std::size_t k = begin; k < end; ++k) {
+    x += rests[k].vector.x;
+    y += rests[k].vector.y;
+    z += rests[k].vector.z;
+  }
+  const auto count = static_cast<double>(end - begin);
+  return {static_cast<float>(x / count), static_cast<float>(y / count), static_cast<float>(z / count)};
+}
+
+// Runs of rests in one cell.
+struct Run {
+  std::size_t begin;
+  std::size_t end;
+  [[nodiscard]] std::size_t size() const { return end - begin; }
+};
+
+std::vector<Run> fullest_cells(const std::vector<Rest>& rests) {
+  std::vector<Run> runs;
+  for (std::size_t begin = 0; begin < rests.size();) {
+    std::size_t end = begin;
+    while (end < rests.size() && rests[end].cell == rests[begin].cell) ++end;
+    if (end - begin > 1) runs.push_back({begin, end});
+    begin = end;
+  }
+  std::ranges::stable_sort(runs, std::ranges::greater{}, &Run::size);
+  if (runs.size() > kStarts) runs.resize(kStarts);
+  return runs;
+}
+
+WorkingPose shifted_by(WorkingPose pose, const Point& shift) {
+  pose.translation[0] += shift.x;
+  pose.translation[1] += shift.y;
+  pose.translation[2] += shift.z;
+  return pose;
+}
+
+}  // namespace
+
+PoseCandidate shifted_motion(const Correspondences& correspondences, const BestPoses& poses, double noise_bound) {
+  const CorrespondenceView view = correspondences.view();
+  const double bound = noise_bound * view.scale();
+  const std::vector<Rest> all = rests(view, poses, bound);
+  const auto limit = static_cast<float>(bound * bound);
+  PoseCandidate best;
+  std::vector<Rest> about;
+  for (const Run& run : fullest_cells(all)) {
+    Point shift = mean(all, run.begin, run.end);
+    for (int move = 0; move < kMoves; ++move) {
+      about.clear();
+      std::ranges::copy_if(all, std::back_inserter(about),
+                           [&](const Rest& rest) { return squared_distance(rest.vector, shift) < limit; });
+      if (about.empty()) break;
+      shift = mean(about, 0, about.size());
+    }
+    const PoseCandidate found = scored(view, shifted_by(poses.best().pose, shift), noise_bound);
+    if (found.support.count >= 3 && found.support.score > best.support.score) best = found;
+  }
+  return best.support.count < 3 ? best : locally_optimise(correspondences, best, noise_bound);
+}
+
+}  // namespace consimd::detail
