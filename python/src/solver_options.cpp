@@ -43,7 +43,7 @@ OptionValue value_from(const SolverOption& option, nb::handle object) {
       std::visit([&](const auto& range) { return value_from(range, object); }, option.range);
   if (value) return *value;
   const std::string message = option.name + " is " + nb::repr(object).c_str() + ", expected " + expectation(option);
-  // Of the right type, but negative or larger than any.
+  // An integer is of the right type, but negative or larger than any.
   const bool whole = std::holds_alternative<WholeRange>(option.range) && !PyBool_Check(object.ptr());
   if (whole && PyIndex_Check(object.ptr())) throw nb::value_error(message.c_str());
   throw nb::type_error(message.c_str());

@@ -169,7 +169,7 @@ Eigen::Vector3d ScenePair::alike(const Point& point, RandomStream& random) const
 }
 
 double ScenePair::mean_square_range() const {
-  // Of one coordinate at `count` evenly spaced places.
+  // The mean square of one coordinate at `count` evenly spaced places.
   const auto mean_square_place = [&](std::uint32_t count) {
     return half_extent_ * half_extent_ / 3.0 * (1.0 - 1.0 / (static_cast<double>(count) * count));
   };

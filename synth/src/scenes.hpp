@@ -40,7 +40,7 @@ class ScenePair {
   };
 
   [[nodiscard]] double ring_radius(std::uint32_t ring) const;
-  /// Of the k-th of `count` evenly spaced places in [-half_extent, half_extent].
+  /// The coordinate of the k-th of `count` evenly spaced places in [-half_extent, half_extent].
   [[nodiscard]] double place(std::uint32_t k, std::uint32_t count) const;
   [[nodiscard]] Eigen::Vector3d on_ring(std::uint32_t ring, RandomStream& random) const;
   [[nodiscard]] Eigen::Vector3d on_face(std::uint32_t face, RandomStream& random) const;

@@ -37,8 +37,8 @@ INSTANTIATE_TEST_SUITE_P(Kinds, Lookalikes,
                          [](const auto& test) { return std::string(test.param.name); });
 
 TEST_P(Lookalikes, AreSeldomASuccess) {
-  // Of 60 problems of each kind tcf calls 4 facades a success and none of the others; of 360 with other seeds some 4 %
-  // of the facades, 1 % of the volumes of kept range and of the corridors. The limits on 30 of them are exceeded by
+  // In 60 problems of each kind tcf calls 4 facades a success and none of the others; with other seeds, some 4 % of 360
+  // facades, 1 % of the volumes of kept range and of the corridors. The limits on 30 of them are exceeded by
   // chance in at most one of two hundred choices of the seed if these rates are the true ones (1 % where there was
   // none).
   constexpr std::uint64_t kTrials = 10;

@@ -13,7 +13,7 @@ struct Box {
   std::array<float, 3> high{};
 };
 
-/// Of an empty cloud: at the origin, without extent.
+/// The smallest that holds all points; that of an empty cloud is at the origin, without extent.
 [[nodiscard]] Box box_around(const Cloud& cloud);
 
 }  // namespace consimd::features::detail

@@ -43,8 +43,7 @@ class SeedSets {
   /// `support_to_beat`, without those to skip.
   [[nodiscard]] std::span<const std::uint32_t> rank(std::uint32_t support_to_beat, const Skip& skip);
 
-  /// Of `ranking` (a tail of what `rank` gave), what still promises more than `support_to_beat` and need not be
-  /// skipped.
+  /// What still promises more than `support_to_beat` in `ranking` (a tail of what `rank` gave) and need not be skipped.
   [[nodiscard]] std::span<const std::uint32_t> promising(std::span<const std::uint32_t> ranking,
                                                          std::uint32_t support_to_beat, const Skip& skip);
 

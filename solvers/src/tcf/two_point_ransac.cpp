@@ -31,7 +31,7 @@ Point difference(const CorrespondenceView& view, bool in_target, std::uint32_t t
 
 double dot(const Point& a, const Point& b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
 
-// Of the edges m -> i of both clouds after laying q_m on p_m: the cosine of their angle, and the sine that bounds it.
+// The edges m -> i of both clouds after laying q_m on p_m: the cosine of their angle, and the sine that bounds it.
 struct EdgeAngle {
   double cosine;
   double bound_sine;

@@ -20,8 +20,8 @@ namespace consimd::detail {
 PoseCovariance fit_covariance(const RigidMoments& moments, const RobustWeight& weight, const RigidTransform& pose,
                               const Correspondences& frame, double shared);
 
-/// The same of a fit whose residuals of unit weight have this variance per axis, working frame. `moments`: weight,
-/// source and source_scatter are read.
+/// The covariance of a fit whose residuals of unit weight have this variance per axis, working frame. `moments`:
+/// weight, source and source_scatter are read.
 PoseCovariance least_squares_covariance(const RigidMoments& moments, double variance, const RigidTransform& pose,
                                         const Correspondences& frame);
 

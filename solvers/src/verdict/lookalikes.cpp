@@ -123,13 +123,7 @@ PairingHits Lookalikes::lengths(double bound, std::uint32_t pairs) const {
     };
     const std::uint32_t from = exchanged(a);
     const std::uint32_t to = exchanged(b);
-    if (a == b || from == to || from == a || to == b) continue;
-    const double difference = std::abs(distance(source_point(view_, a), source_point(view_, b)) -
-                                       distance(target_point(view_, from), target_point(view_, to)));
-    ++result.trials;
-    for (std::size_t t = 0; t < kTestedBounds.size(); ++t) {
-      if (difference < kTestedBounds[t] * tolerance) ++result.hits[t];
-    }
+    add_length(result, view_, a, b, from, to, tolerance);
   }
   return result;
 }

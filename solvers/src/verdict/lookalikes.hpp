@@ -23,7 +23,7 @@ class Lookalikes {
   /// places that it was itself matched with. Counted as Strata::support does. `bound`: caller's unit.
   [[nodiscard]] PairingHits support(const WorkingPose& pose, double bound, const MatchedPoints& matched) const;
 
-  /// The same of lengths, see Strata::lengths.
+  /// How often lengths agree among targets exchanged in this way, see Strata::lengths.
   [[nodiscard]] PairingHits lengths(double bound, std::uint32_t pairs) const;
 
  private:

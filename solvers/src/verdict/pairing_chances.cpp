@@ -19,7 +19,7 @@ constexpr double kTelling = 64.0;  // hits that tell a chance and how it grows
 constexpr int kDoublings = 5;
 constexpr std::size_t kSmall = 8 * kBlock;  // up to here correspondences are shifted row by row
 
-// Of `distinct` values some were drawn, few of them maybe many times.
+// The values were drawn from `distinct` ones, few of which maybe many times.
 double share_below(const std::vector<double>& values, double distinct, double bound) {
   if (values.empty()) return chance(0.0, 0.0);
   const auto hits = static_cast<double>(std::ranges::count_if(values, [bound](double value) { return value < bound; }));

@@ -18,7 +18,7 @@ inline constexpr double kSignificantRival = kSignificant - 1.0;
 
 class Background;
 
-/// Of one registration.
+/// All poses of a registration are held against one.
 struct PoseTest {
   double noise_bound = 0.0;        ///< caller's unit
   std::uint32_t bounds_tried = 1;  ///< that `noise_bound` was chosen from by looking at the data

@@ -41,7 +41,7 @@ double ResidualMixture::odds() const {
 }
 
 ResidualMixture first_guess(const ResidualHistogram& histogram, std::uint32_t exponent, double scale) {
-  // Of no residuals at all a mixture is still one.
+  // Without any residuals the mixture is one as well: it must not be of weight 0.
   const double total = std::max(std::accumulate(histogram.counts.begin(), histogram.counts.end(), 0.0), 1.0);
   return {exponent, scale, 0.5 * total, 0.5 * total / ball(histogram.cutoff), 0.0};
 }

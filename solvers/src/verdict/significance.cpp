@@ -15,7 +15,7 @@
 namespace consimd {
 namespace {
 
-// Of a glance: mismatched pairings of all correspondences, and pairs whose lengths are compared.
+// A glance takes so many mismatched pairings of all correspondences, and compares the lengths of so many pairs.
 constexpr std::uint32_t kGlanceShifts = 8;
 constexpr std::uint32_t kGlancePairs = 256;
 // Pairs where structure is not looked at.

@@ -36,6 +36,17 @@ constexpr std::uint64_t kFixedSeed = 0;
 
 }  // namespace
 
+void add_length(PairingHits& hits, const CorrespondenceView& view, std::uint32_t a, std::uint32_t b, std::uint32_t from,
+                std::uint32_t to, double tolerance) {
+  if (a == b || from == to || from == a || to == b || (from == b && to == a)) return;
+  const double difference = std::abs(distance(source_point(view, a), source_point(view, b)) -
+                                     distance(target_point(view, from), target_point(view, to)));
+  ++hits.trials;
+  for (std::size_t t = 0; t < kTestedBounds.size(); ++t) {
+    if (difference < kTestedBounds[t] * tolerance) ++hits.hits[t];
+  }
+}
+
 Strata::Strata(const CorrespondenceView& view, std::vector<std::uint32_t> rows, std::vector<std::uint32_t> first,
                double apart)
     : view_(view), rows_(std::move(rows)), first_(std::move(first)), mates_(rows_.size()) {
@@ -108,14 +119,7 @@ PairingHits Strata::lengths(double bound, std::uint32_t pairs) const {
     const std::uint32_t b = rows_[at_b];
     const std::uint32_t from = exchanged(at_a);
     const std::uint32_t to = exchanged(at_b);
-    // The pair as it is, forwards or backwards, is no chance.
-    if (a == b || from == to || from == a || to == b || (from == b && to == a)) continue;
-    const double difference = std::abs(distance(source_point(view_, a), source_point(view_, b)) -
-                                       distance(target_point(view_, from), target_point(view_, to)));
-    ++result.trials;
-    for (std::size_t t = 0; t < kTestedBounds.size(); ++t) {
-      if (difference < kTestedBounds[t] * tolerance) ++result.hits[t];
-    }
+    add_length(result, view_, a, b, from, to, tolerance);
   }
   return result;
 }

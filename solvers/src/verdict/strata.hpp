@@ -22,6 +22,11 @@ struct PairingHits {
   double trials = 0.0;
 };
 
+/// Counts a trial: whether the sources of `a` and `b` are as far apart as the targets of `from` and `to`, to within
+/// `tolerance` (working frame) times each of kTestedBounds. A pair as it is, forwards or backwards, is no trial.
+void add_length(PairingHits& hits, const CorrespondenceView& view, std::uint32_t a, std::uint32_t b, std::uint32_t from,
+                std::uint32_t to, double tolerance);
+
 inline constexpr std::size_t kStratumRows = 32;
 
 /// Correspondences in strata of sources that have some of their coordinates about equal.

@@ -20,7 +20,7 @@ struct CaseFile {
   // Limits of a success, > 0; none where there is no such number.
   std::optional<double> max_rotation_error_deg = {};
   std::optional<double> max_translation_error = {};  ///< "max_translation_error_m" in the file
-  // Of the case; empty where the file does not say.
+  // Where the case is from; empty where the file does not say.
   std::string dataset = {};
   std::string sequence = {};
 

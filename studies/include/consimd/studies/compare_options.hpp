@@ -22,7 +22,7 @@ struct CompareOptions {
   std::vector<std::string> synthetic = {};
   std::uint32_t trials = 20;  ///< problems of each stand-in, noise cell, and scale with its noise
   std::size_t points = 3000;  ///< correspondences of a noise cell's problem
-  // Of the noise cells, as `parse_value_list` reads them; noise in metres an axis.
+  // The axes of the noise cells, as `parse_value_list` reads them; noise in metres an axis.
   std::string outliers = "0.1,0.5,0.9,0.95,0.98,0.99";
   std::string sigma = "0.1,1,2.5,5";
   TableOptions tables;
