@@ -40,6 +40,7 @@ std::vector<std::uint32_t> independent_rows(const CorrespondenceView& view, doub
   for (std::uint32_t row = 0; row < view.size(); ++row) {
     const Point p = source_point(view, row);
     const Point q = target_point(view, row);
+    if (std::isnan(p.x)) continue;  // a far row
     const auto [x, y, z] = cells.cell(p);
     bool repeats = false;
     for (int neighbour = 0; neighbour < 27 && !repeats; ++neighbour) {

@@ -10,7 +10,7 @@ namespace consimd::detail {
 
 /// Rows, ascending, no two of which have both their sources and their targets within `radius` (caller's unit): where
 /// a cluster of sources is matched to a cluster of targets, a few rows stand for all of them. A row stays if none
-/// before it that stays is that close.
+/// before it that stays is that close. Far rows are none.
 [[nodiscard]] std::vector<std::uint32_t> independent_rows(const CorrespondenceView& view, double radius);
 
 }  // namespace consimd::detail

@@ -1,13 +1,11 @@
 #include "verdict/lookalikes.hpp"
 
 #include <algorithm>
-#include <array>
-#include <cmath>
 #include <cstddef>
-#include <numeric>
 #include <utility>
 
 #include "sampling/counter_random.hpp"
+#include "support/cell_keys.hpp"
 #include "support/points.hpp"
 
 namespace consimd::detail {
@@ -30,15 +28,12 @@ class Places {
  public:
   template <typename PointOf>
   Places(std::size_t size, double edge, const PointOf& point_of) : place_(size), rows_(size) {
-    std::vector<std::array<double, 3>> cells(size);
-    for (std::size_t row = 0; row < size; ++row) {
-      const Point p = point_of(row);
-      cells[row] = {std::floor(p.x / edge), std::floor(p.y / edge), std::floor(p.z / edge)};
-    }
-    std::iota(rows_.begin(), rows_.end(), 0U);
-    std::ranges::stable_sort(rows_, {}, [&](std::uint32_t row) { return cells[row]; });
+    std::vector<std::pair<std::uint64_t, std::uint32_t>> cells(size);
+    for (std::uint32_t row = 0; row < size; ++row) cells[row] = {cell_key(point_of(row), edge), row};
+    std::ranges::sort(cells);
     for (std::size_t k = 0; k < size; ++k) {
-      if (k == 0 || cells[rows_[k]] != cells[rows_[k - 1]]) first_.push_back(static_cast<std::uint32_t>(k));
+      if (k == 0 || cells[k].first != cells[k - 1].first) first_.push_back(static_cast<std::uint32_t>(k));
+      rows_[k] = cells[k].second;
       place_[rows_[k]] = static_cast<std::uint32_t>(first_.size() - 1);
     }
     first_.push_back(static_cast<std::uint32_t>(size));
@@ -79,7 +74,7 @@ Lookalikes::Lookalikes(const CorrespondenceView& view, double noise_bound, doubl
     const std::uint32_t own = sources.place(row);
     if (targets.rows(targets.place(row)) < kLeastRows) continue;
     targets.visit(targets.place(row), kSources, [&](std::uint32_t like) {
-      if (squared_distance(source_point(view, row), source_point(view, like)) < limit) return;
+      if (!(squared_distance(source_point(view, row), source_point(view, like)) >= limit)) return;
       sources.visit(sources.place(like), kRows, [&](std::uint32_t mate) {
         if (std::ranges::binary_search(matched, Pair{own, targets.place(mate)})) return;
         mates_.push_back(mate);

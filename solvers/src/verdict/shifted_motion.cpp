@@ -1,13 +1,13 @@
 #include "verdict/shifted_motion.hpp"
 
 #include <algorithm>
-#include <array>
-#include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <iterator>
+#include <tuple>
 #include <vector>
 
+#include "support/cell_keys.hpp"
 #include "support/points.hpp"
 #include "verdict/false_poses.hpp"
 
@@ -22,22 +22,24 @@ constexpr int kMoves = 3;
 
 // What the pose leaves of a row: its target less the moved source, and the cell that this lies in.
 struct Rest {
-  std::array<float, 3> cell;
+  std::uint64_t cell;
+  std::uint32_t row;
   Point vector;
 };
 
 std::vector<Rest> rests(const CorrespondenceView& view, const BestPoses& poses, double bound) {
-  const auto edge = static_cast<float>(kCell * bound);
   const auto near = static_cast<float>(kNearMisses * bound * kNearMisses * bound);
   std::vector<Rest> result;
+  result.reserve(view.size());
   for (std::uint32_t row = 0; row < view.size(); ++row) {
     const Point p = moved(poses.best().pose, source_point(view, row));
     const Point q = target_point(view, row);
-    if (squared_distance(p, q) < near) continue;
+    if (!(squared_distance(p, q) >= near)) continue;  // a far row is not a number
     const Point d{q.x - p.x, q.y - p.y, q.z - p.z};
-    result.push_back({{std::floor(d.x / edge), std::floor(d.y / edge), std::floor(d.z / edge)}, d});
+    result.push_back({cell_key(d, kCell * bound), row, d});
   }
-  std::ranges::stable_sort(result, {}, &Rest::cell);
+  std::ranges::sort(result,
+                    [](const Rest& a, const Rest& b) { return std::tie(a.cell, a.row) < std::tie(b.cell, b.row); });
   return result;
 }
 

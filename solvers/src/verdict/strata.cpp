@@ -31,6 +31,9 @@ std::uint32_t closer(const float* x, const float* y, const float* z, const Point
   return bits;
 }
 
+// Trials are counted at each such row, and are about as many at the others.
+constexpr std::uint32_t kCountedStep = 8;
+
 // Draws are the same whatever the caller's seed is: a pose has one significance.
 constexpr std::uint64_t kFixedSeed = 0;
 
@@ -49,30 +52,37 @@ void add_length(PairingHits& hits, const CorrespondenceView& view, std::uint32_t
 
 Strata::Strata(const CorrespondenceView& view, std::vector<std::uint32_t> rows, std::vector<std::uint32_t> first,
                double apart)
-    : view_(view), rows_(std::move(rows)), first_(std::move(first)), mates_(rows_.size()) {
-  const auto far = static_cast<float>(apart * view.scale() * apart * view.scale());
-  stratum_of_.reserve(rows_.size());
-  for (std::vector<float>& coordinate : targets_) coordinate.resize(rows_.size() + kStratumRows);
-  std::array<std::array<float, kStratumRows>, 3> sources{};
-  std::array<float, kStratumRows> squared{};
-  for (std::uint32_t s = 0; s + 1 < first_.size(); ++s) {
-    const std::uint32_t size = first_[s + 1] - first_[s];
-    stratum_of_.insert(stratum_of_.end(), size, s);
-    for (std::uint32_t i = 0; i < size; ++i) {
-      const std::uint32_t row = rows_[first_[s] + i];
-      for (std::size_t axis = 0; axis < 3; ++axis) {
-        targets_[axis][first_[s] + i] = view.target(axis)[row];
-        sources[axis][i] = view.source(axis)[row];
-      }
-    }
-    const std::uint32_t all = ~std::uint32_t{0} >> (kStratumRows - size);
-    for (std::uint32_t i = 0; i < size; ++i) {
-      const Point p{sources[0][i], sources[1][i], sources[2][i]};
-      const std::uint32_t near = closer(sources[0].data(), sources[1].data(), sources[2].data(), p, far, squared);
-      mates_[first_[s] + i] = all & ~near;
-      trials_ += std::popcount(all & ~near);
+    : view_(view),
+      rows_(std::move(rows)),
+      first_(std::move(first)),
+      apart_(static_cast<float>(apart * view.scale() * apart * view.scale())) {
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    sources_[axis].resize(rows_.size() + kStratumRows);
+    targets_[axis].resize(rows_.size() + kStratumRows);
+    for (std::size_t position = 0; position < rows_.size(); ++position) {
+      sources_[axis][position] = view.source(axis)[rows_[position]];
+      targets_[axis][position] = view.target(axis)[rows_[position]];
     }
   }
+  stratum_of_.reserve(rows_.size());
+  for (std::uint32_t s = 0; s + 1 < first_.size(); ++s) {
+    stratum_of_.insert(stratum_of_.end(), first_[s + 1] - first_[s], s);
+  }
+  double looked_at = 0.0;
+  for (std::uint32_t position = 0; position < rows_.size(); position += kCountedStep) {
+    trials_ += std::popcount(mates(position));
+    ++looked_at;
+  }
+  trials_ *= static_cast<double>(rows_.size()) / std::max(looked_at, 1.0);
+}
+
+std::uint32_t Strata::mates(std::uint32_t position) const {
+  const std::uint32_t begin = first_[stratum_of_[position]];
+  const std::uint32_t size = first_[stratum_of_[position] + 1] - begin;
+  const Point p{sources_[0][position], sources_[1][position], sources_[2][position]};
+  std::array<float, kStratumRows> squared{};
+  const std::uint32_t near = closer(&sources_[0][begin], &sources_[1][begin], &sources_[2][begin], p, apart_, squared);
+  return (~std::uint32_t{0} >> (kStratumRows - size)) & ~near;
 }
 
 PairingHits Strata::support(const WorkingPose& pose, double bound, const MatchedPoints& matched) const {
@@ -85,11 +95,12 @@ PairingHits Strata::support(const WorkingPose& pose, double bound, const Matched
   result.trials = trials_;
   std::array<float, kStratumRows> squared{};
   for (std::uint32_t position = 0; position < rows_.size(); ++position) {
-    const std::uint32_t mates = mates_[position];
     const std::size_t begin = first_[stratum_of_[position]];
     const Point p = moved(pose, source_point(view_, rows_[position]));
-    std::uint32_t reached =
-        mates & closer(&targets_[0][begin], &targets_[1][begin], &targets_[2][begin], p, limit, squared);
+    std::uint32_t reached = closer(&targets_[0][begin], &targets_[1][begin], &targets_[2][begin], p, limit, squared);
+    if (reached == 0) continue;
+    const std::uint32_t mates = this->mates(position);
+    reached &= mates;
     if (reached == 0) continue;
     const double share = 1.0 / std::popcount(mates);
     for (; reached != 0; reached &= reached - 1) {

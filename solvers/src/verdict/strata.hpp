@@ -48,12 +48,17 @@ class Strata {
   [[nodiscard]] PairingHits lengths(double bound, std::uint32_t pairs) const;
 
  private:
+  // Bits of the rows of its stratum that the row at a position is tested with.
+  [[nodiscard]] std::uint32_t mates(std::uint32_t position) const;
+
   CorrespondenceView view_;
-  std::vector<std::uint32_t> rows_;            // stratum by stratum
-  std::vector<std::uint32_t> first_;           // position in rows_ of a stratum's first; one more: the end
-  std::vector<std::uint32_t> stratum_of_;      // by position
-  std::array<std::vector<float>, 3> targets_;  // by position, coordinate by coordinate; a stratum more at the end
-  std::vector<std::uint32_t> mates_;           // by position: bits of the rows of the stratum that it is tested with
+  std::vector<std::uint32_t> rows_;        // stratum by stratum
+  std::vector<std::uint32_t> first_;       // position in rows_ of a stratum's first; one more: the end
+  std::vector<std::uint32_t> stratum_of_;  // by position
+  // By position, coordinate by coordinate; a stratum more at the end.
+  std::array<std::vector<float>, 3> sources_;
+  std::array<std::vector<float>, 3> targets_;
+  float apart_;  // squared, working frame
   double trials_ = 0.0;
 };
 
