@@ -108,7 +108,9 @@ Supports supports(const CorrespondenceView& view, const WorkingPose& pose, doubl
         bounds = static_cast<BoundMask>(bounds | ((bits[b * view.words() + word] >> bit & 1U) << b));
       }
       bounds = counted.count(source_point(view, word * kBlock + bit), bounds);
-      for (std::size_t b = 0; b < kTestedBounds.size(); ++b) result[b].spread += bounds >> b & 1U;
+      for (std::size_t b = 0; b < kTestedBounds.size(); ++b) {
+        result[b].spread += static_cast<unsigned>(bounds) >> b & 1U;
+      }
     }
   }
   return result;
