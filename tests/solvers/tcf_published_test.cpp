@@ -53,7 +53,7 @@ TEST(TcfPublishedVerdict, NoPoseIsNoSuccess) {
 
 TEST(TcfPublishedVerdict, EndsBeforeItsStagesWhereNoPoseCanBe) {
   const std::vector<double> same(3 * 5000, 1.0);
-  // Of the two lines single precision holds one exactly; the other it rounds.
+  // Single precision holds the points of one line exactly and rounds those of the other.
   std::vector<double> exact;
   std::vector<double> rounded;
   for (int k = 0; k < 5000; ++k) {

@@ -17,9 +17,10 @@ namespace {
 constexpr std::uint32_t kShifts = 32;
 constexpr std::uint32_t kPairs = 4096;
 constexpr std::uint32_t kStratumPairs = 1024;
-// Structure that gives so many hits by chance alone, once in so many times, is none: one in fifty of all twenty kinds
-// of strata together. Where random pairing gives next to no hits, no number of them is that unlikely, and once in
-// twenty is enough.
+// Pairing that gives so many hits by chance alone, once in so many times, shows no structure: one in fifty for all
+// eighteen ways of pairing together. Where random pairing gives next to no hits, structure gives few as well and cannot
+// be that unlikely; once in twenty is enough there, with which 3 instead of 6 of 180 problems of kept range end as a
+// success.
 constexpr double kNoStructure = 1e-3;
 constexpr double kNoStructureOfFew = 0.05;
 constexpr double kFewHits = 8.0;

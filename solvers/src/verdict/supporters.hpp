@@ -19,8 +19,8 @@ struct Support {
 };
 using Supports = std::array<Support, kTestedBounds.size()>;
 
-/// Of `pose` at kTestedBounds times `noise_bound`. noise_bound, radius: caller's unit. Takes time in proportion to the
-/// supporters.
+/// Counts those of `pose` at kTestedBounds times `noise_bound`, in time proportional to their number. noise_bound,
+/// radius: caller's unit.
 [[nodiscard]] Supports supports(const CorrespondenceView& view, const WorkingPose& pose, double noise_bound,
                                 double radius);
 
