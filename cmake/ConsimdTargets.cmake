@@ -8,6 +8,10 @@ if(NOT CONSIMD_HARDEN OR NOT CMAKE_SYSTEM_NAME STREQUAL Linux)
   set(hardening_link_options "")
 endif()
 
+if(WIN32 AND BUILD_SHARED_LIBS)
+  message(FATAL_ERROR "On Windows the libraries are static: CONSIMD_EXPORT says nothing there, so that a DLL would export nothing.")
+endif()
+
 # What every target of the project is built with. Only the language standard reaches its users.
 function(consimd_configure target)
   target_compile_features(${target} PUBLIC cxx_std_20)

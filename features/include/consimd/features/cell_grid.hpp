@@ -8,10 +8,10 @@
 #include <vector>
 
 #include <consimd/kernels/cloud.hpp>
+#include <consimd/kernels/export.hpp>
 
-#pragma GCC visibility push(default)
-
-namespace consimd::features {
+namespace consimd {
+namespace CONSIMD_EXPORT features {
 
 /// Owner of a copy of a cloud whose points are sorted by cubic cells, x ascending fastest, then y, then z; within a
 /// cell they keep their order. All radii that are asked for later are at most the side of a cell: the neighbours of a
@@ -67,6 +67,5 @@ struct NeighbourLists {
 /// cell. Throws std::invalid_argument on an empty cloud.
 [[nodiscard]] double resolution(const CellGrid& grid);
 
-}  // namespace consimd::features
-
-#pragma GCC visibility pop
+}  // namespace features
+}  // namespace consimd

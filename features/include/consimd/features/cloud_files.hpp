@@ -5,10 +5,10 @@
 #include <optional>
 
 #include <consimd/kernels/cloud.hpp>
+#include <consimd/kernels/export.hpp>
 
-#pragma GCC visibility push(default)
-
-namespace consimd::features {
+namespace consimd {
+namespace CONSIMD_EXPORT features {
 
 /// Reads the points of a cloud; what else a file holds of them is passed over. Which form it is tells its beginning, or
 /// its ending:
@@ -22,6 +22,5 @@ namespace consimd::features {
 /// what") on a file that cannot be read or is damaged: a header that promises more than there is reserves no memory.
 [[nodiscard]] Cloud read_cloud(const std::filesystem::path& path, std::optional<double> missing = std::nullopt);
 
-}  // namespace consimd::features
-
-#pragma GCC visibility pop
+}  // namespace features
+}  // namespace consimd

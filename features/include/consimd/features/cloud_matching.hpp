@@ -11,11 +11,11 @@
 #include <consimd/features/matching.hpp>
 #include <consimd/kernels/cloud.hpp>
 #include <consimd/kernels/correspondences.hpp>
+#include <consimd/kernels/export.hpp>
 #include <consimd/solvers/registration.hpp>
 
-#pragma GCC visibility push(default)
-
-namespace consimd::features {
+namespace consimd {
+namespace CONSIMD_EXPORT features {
 
 struct CloudMatchingOptions {
   /// Side of the voxels that both clouds are thinned out with, caller's unit. Chosen when not given: see
@@ -77,6 +77,5 @@ struct CloudMatches {
 [[nodiscard]] CloudMatches match_clouds(const Cloud& source, const Cloud& target,
                                         const CloudMatchingOptions& options = {});
 
-}  // namespace consimd::features
-
-#pragma GCC visibility pop
+}  // namespace features
+}  // namespace consimd

@@ -7,10 +7,10 @@
 #include <vector>
 
 #include <consimd/features/cell_grid.hpp>
+#include <consimd/kernels/export.hpp>
 
-#pragma GCC visibility push(default)
-
-namespace consimd::features {
+namespace consimd {
+namespace CONSIMD_EXPORT features {
 
 /// Descriptors of some points of a cloud: values[length * k + c] is component c of the descriptor of rows[k].
 struct Descriptors {
@@ -31,6 +31,5 @@ struct Descriptors {
 /// on a bad row.
 [[nodiscard]] Descriptors fpfh(const CellGrid& grid, std::span<const std::uint32_t> rows, double radius);
 
-}  // namespace consimd::features
-
-#pragma GCC visibility pop
+}  // namespace features
+}  // namespace consimd

@@ -6,10 +6,10 @@
 #include <vector>
 
 #include <consimd/features/cell_grid.hpp>
+#include <consimd/kernels/export.hpp>
 
-#pragma GCC visibility push(default)
-
-namespace consimd::features {
+namespace consimd {
+namespace CONSIMD_EXPORT features {
 
 struct IssOptions {
   /// Radius of the neighbourhood that tells a point's saliency; caller's unit, > 0, at most the grid's cell.
@@ -30,6 +30,5 @@ struct IssOptions {
 /// parallel; the same for any number of threads. Throws std::invalid_argument on bad options.
 [[nodiscard]] std::vector<std::uint32_t> iss_keypoints(const CellGrid& grid, const IssOptions& options);
 
-}  // namespace consimd::features
-
-#pragma GCC visibility pop
+}  // namespace features
+}  // namespace consimd

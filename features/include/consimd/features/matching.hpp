@@ -6,9 +6,10 @@
 #include <span>
 #include <vector>
 
-#pragma GCC visibility push(default)
+#include <consimd/kernels/export.hpp>
 
-namespace consimd::features {
+namespace consimd {
+namespace CONSIMD_EXPORT features {
 
 struct MatchOptions {
   /// Matches that each descriptor is considered for: the `best` nearest, 1 to 8.
@@ -37,6 +38,5 @@ struct Match {
 [[nodiscard]] std::vector<Match> match(std::span<const float> source, std::span<const float> target, std::size_t length,
                                        const MatchOptions& options = {});
 
-}  // namespace consimd::features
-
-#pragma GCC visibility pop
+}  // namespace features
+}  // namespace consimd

@@ -5,10 +5,10 @@
 #include <optional>
 
 #include <consimd/features/cell_grid.hpp>
+#include <consimd/kernels/export.hpp>
 
-#pragma GCC visibility push(default)
-
-namespace consimd::features {
+namespace consimd {
+namespace CONSIMD_EXPORT features {
 
 struct NormalOptions {
   /// Radius of the neighbourhood whose plane gives the normal; caller's unit, > 0, at most the grid's cell.
@@ -23,6 +23,5 @@ struct NormalOptions {
 /// same for any number of threads. Throws std::invalid_argument on a bad radius, or a viewpoint that is not finite.
 void estimate_normals(CellGrid& grid, const NormalOptions& options);
 
-}  // namespace consimd::features
-
-#pragma GCC visibility pop
+}  // namespace features
+}  // namespace consimd

@@ -5,11 +5,11 @@
 #include <string>
 
 #include <consimd/features/cloud_matching.hpp>
+#include <consimd/kernels/export.hpp>
 #include <consimd/solvers/registration.hpp>
 
-#pragma GCC visibility push(default)
-
-namespace consimd::features {
+namespace consimd {
+namespace CONSIMD_EXPORT features {
 
 struct CloudRegistrationOptions {
   CloudMatchingOptions matching = {};
@@ -29,6 +29,5 @@ struct CloudRegistration {
 [[nodiscard]] CloudRegistration register_clouds(const Cloud& source, const Cloud& target,
                                                 const CloudRegistrationOptions& options = {});
 
-}  // namespace consimd::features
-
-#pragma GCC visibility pop
+}  // namespace features
+}  // namespace consimd

@@ -2,10 +2,10 @@
 #pragma once
 
 #include <consimd/kernels/cloud.hpp>
+#include <consimd/kernels/export.hpp>
 
-#pragma GCC visibility push(default)
-
-namespace consimd::features {
+namespace consimd {
+namespace CONSIMD_EXPORT features {
 
 /// The mean of the points in each occupied cube of side `voxel` (caller's unit), by cube: x ascending fastest, then y,
 /// then z, counted from the cloud's lowest corner. In the frame of `cloud`; without normals. The same for any number of
@@ -16,6 +16,5 @@ namespace consimd::features {
 /// How many voxels of that side are occupied. Throws as above.
 [[nodiscard]] std::size_t occupied_voxels(const Cloud& cloud, double voxel);
 
-}  // namespace consimd::features
-
-#pragma GCC visibility pop
+}  // namespace features
+}  // namespace consimd

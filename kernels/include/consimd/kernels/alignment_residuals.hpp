@@ -2,11 +2,10 @@
 #pragma once
 
 #include <consimd/kernels/correspondences.hpp>
+#include <consimd/kernels/export.hpp>
 #include <consimd/kernels/kernel_data.hpp>
 
-#pragma GCC visibility push(default)
-
-namespace consimd {
+namespace CONSIMD_EXPORT consimd {
 
 /// Correspondence j supports a pose when r_j = | R p_j + t - q_j | < bound, tested as r^2 < bound^2.
 /// `bound` is in the caller's unit, finite and > 0. A pose with a NaN entry has no support.
@@ -39,5 +38,3 @@ void mismatched_counts(const CorrespondenceView& view, const WorkingPose& pose, 
 [[nodiscard]] std::size_t mismatched_pairs(const CorrespondenceView& view, std::uint32_t shift) noexcept;
 
 }  // namespace consimd
-
-#pragma GCC visibility pop

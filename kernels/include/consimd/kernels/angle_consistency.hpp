@@ -2,11 +2,10 @@
 #pragma once
 
 #include <consimd/kernels/correspondences.hpp>
+#include <consimd/kernels/export.hpp>
 #include <consimd/kernels/kernel_data.hpp>
 
-#pragma GCC visibility push(default)
-
-namespace consimd {
+namespace CONSIMD_EXPORT consimd {
 
 /// Correspondence m is angle consistent with the pair (i, j) when the angle at m is the same in both clouds up to
 /// noise:
@@ -38,5 +37,3 @@ void angle_consistency_bits(const CorrespondenceView& view, std::span<const Inde
                             std::span<std::uint64_t> bits, std::span<std::uint32_t> counts);
 
 }  // namespace consimd
-
-#pragma GCC visibility pop

@@ -10,10 +10,9 @@
 #include <vector>
 
 #include <consimd/kernels/correspondences.hpp>
+#include <consimd/kernels/export.hpp>
 
-#pragma GCC visibility push(default)
-
-namespace consimd {
+namespace CONSIMD_EXPORT consimd {
 
 class Cloud;
 
@@ -112,5 +111,3 @@ class Cloud {
 };
 
 }  // namespace consimd
-
-#pragma GCC visibility pop

@@ -2,12 +2,11 @@
 #pragma once
 
 #include <consimd/kernels/correspondences.hpp>
+#include <consimd/kernels/export.hpp>
 
 #include <vector>
 
-#pragma GCC visibility push(default)
-
-namespace consimd {
+namespace CONSIMD_EXPORT consimd {
 
 /// N x N symmetric bit matrix: bit j of row i tells whether i and j are length consistent (see length_consistency.hpp;
 /// the diagonal is set). Rows are view.words() words; bits from N on are 0. Takes N * words * 8 bytes, 1.1 MB for N =
@@ -77,5 +76,3 @@ void masked_row_sums(const ConsistencyMatrix& matrix, std::size_t first_row, std
                      std::span<float> sums);
 
 }  // namespace consimd
-
-#pragma GCC visibility pop

@@ -10,9 +10,9 @@
 #include <span>
 #include <vector>
 
-#pragma GCC visibility push(default)
+#include <consimd/kernels/export.hpp>
 
-namespace consimd {
+namespace CONSIMD_EXPORT consimd {
 
 /// Lanes that every array of a `Correspondences` is padded to a multiple of; one 64-bit word of consensus bits.
 inline constexpr std::size_t kBlock = 64;
@@ -157,5 +157,3 @@ class Correspondences {
 };
 
 }  // namespace consimd
-
-#pragma GCC visibility pop

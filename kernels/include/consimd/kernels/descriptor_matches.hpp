@@ -6,9 +6,9 @@
 #include <memory>
 #include <span>
 
-#pragma GCC visibility push(default)
+#include <consimd/kernels/export.hpp>
 
-namespace consimd {
+namespace CONSIMD_EXPORT consimd {
 
 /// Owner of N descriptors of any length in fixed point: each component is rounded to a multiple of `unit`.
 /// Distances between descriptors of one unit are exact whole numbers, so that their order and the ties among them are
@@ -94,5 +94,3 @@ void best_matches(const FixedPointDescriptors& queries, std::size_t first, std::
                   const FixedPointDescriptors& targets, BestMatches& of_queries, BestMatches& of_targets);
 
 }  // namespace consimd
-
-#pragma GCC visibility pop

@@ -5,9 +5,9 @@
 #include <span>
 #include <string_view>
 
-#pragma GCC visibility push(default)
+#include <consimd/kernels/export.hpp>
 
-namespace consimd {
+namespace CONSIMD_EXPORT consimd {
 
 /// Instruction sets a kernel can run on. All of them return the same bits.
 enum class Isa : std::uint8_t { scalar, sse2, avx2, avx512, neon };
@@ -34,5 +34,3 @@ enum class Isa : std::uint8_t { scalar, sse2, avx2, avx512, neon };
 void set_active_isa(Isa isa);
 
 }  // namespace consimd
-
-#pragma GCC visibility pop

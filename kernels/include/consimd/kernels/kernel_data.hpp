@@ -4,9 +4,9 @@
 
 #include <cstdint>
 
-#pragma GCC visibility push(default)
+#include <consimd/kernels/export.hpp>
 
-namespace consimd {
+namespace CONSIMD_EXPORT consimd {
 
 /// Two correspondences that a two-point hypothesis is drawn from.
 struct IndexPair {
@@ -66,5 +66,3 @@ struct RobustWeight {
 };
 
 }  // namespace consimd
-
-#pragma GCC visibility pop

@@ -2,10 +2,9 @@
 #pragma once
 
 #include <consimd/kernels/correspondences.hpp>
+#include <consimd/kernels/export.hpp>
 
-#pragma GCC visibility push(default)
-
-namespace consimd {
+namespace CONSIMD_EXPORT consimd {
 
 /// Correspondences j and k are length consistent when
 ///   | |p_j - p_k| - |q_j - q_k| | < bound.
@@ -28,5 +27,3 @@ void length_consistency_bits(const CorrespondenceView& view, std::span<const std
                              std::span<std::uint64_t> bits, std::span<std::uint32_t> counts);
 
 }  // namespace consimd
-
-#pragma GCC visibility pop

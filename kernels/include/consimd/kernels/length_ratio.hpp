@@ -2,10 +2,9 @@
 #pragma once
 
 #include <consimd/kernels/correspondences.hpp>
+#include <consimd/kernels/export.hpp>
 
-#pragma GCC visibility push(default)
-
-namespace consimd {
+namespace CONSIMD_EXPORT consimd {
 
 /// With A_j = |p_j - p_i|, B_j = |q_j - q_i| the lengths of a pair, PCR-99 (S. H. Lee, J. Civera, P. Vandewalle) judges
 /// it by |ln(B / A)|. Without a logarithm, since tanh(ln(B / A)) = (B^2 - A^2) / (B^2 + A^2):
@@ -28,5 +27,3 @@ void scale_intervals(const CorrespondenceView& view, std::uint32_t seed, double 
                      std::span<float> highs);
 
 }  // namespace consimd
-
-#pragma GCC visibility pop

@@ -7,11 +7,10 @@
 #include <span>
 
 #include <consimd/kernels/cloud.hpp>
+#include <consimd/kernels/export.hpp>
 #include <consimd/kernels/point_run.hpp>
 
-#pragma GCC visibility push(default)
-
-namespace consimd {
+namespace CONSIMD_EXPORT consimd {
 
 /// What `neighbours_within` may write beyond the points of its runs.
 inline constexpr std::size_t kNeighbourSlack = 16;
@@ -49,5 +48,3 @@ struct alignas(64) PrincipalAxes {
 void principal_axes(const ScatterBatch& scatter, std::size_t n, PrincipalAxes& axes);
 
 }  // namespace consimd
-
-#pragma GCC visibility pop

@@ -7,10 +7,9 @@
 #include <span>
 
 #include <consimd/kernels/cloud.hpp>
+#include <consimd/kernels/export.hpp>
 
-#pragma GCC visibility push(default)
-
-namespace consimd {
+namespace CONSIMD_EXPORT consimd {
 
 /// Bins of the three features together, eleven each.
 inline constexpr std::size_t kPairFeatureBins = 33;
@@ -38,5 +37,3 @@ void weighted_histogram_sum(std::span<const float> histograms, std::span<const s
                             std::span<const float> squared_distances, std::span<float, kHistogramStride> sum);
 
 }  // namespace consimd
-
-#pragma GCC visibility pop

@@ -11,11 +11,10 @@
 #include <vector>
 
 #include <consimd/kernels/correspondences.hpp>
+#include <consimd/kernels/export.hpp>
 #include <consimd/kernels/point_ranges.hpp>
 
-#pragma GCC visibility push(default)
-
-namespace consimd {
+namespace CONSIMD_EXPORT consimd {
 
 /// pcl::PointCloud of any point type with x, y, z.
 template <typename C>
@@ -86,5 +85,3 @@ template <PclMatches Matches>
 }
 
 }  // namespace consimd
-
-#pragma GCC visibility pop

@@ -11,10 +11,9 @@
 #include <utility>
 
 #include <consimd/kernels/correspondences.hpp>
+#include <consimd/kernels/export.hpp>
 
-#pragma GCC visibility push(default)
-
-namespace consimd {
+namespace CONSIMD_EXPORT consimd {
 
 /// A struct with data members x, y and z of one type, float or double, whatever else it has.
 template <typename P>
@@ -65,5 +64,3 @@ requires std::ranges::contiguous_range<Range> && std::ranges::borrowed_range<Ran
 }
 
 }  // namespace consimd
-
-#pragma GCC visibility pop

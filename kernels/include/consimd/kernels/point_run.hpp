@@ -4,9 +4,9 @@
 
 #include <cstdint>
 
-#pragma GCC visibility push(default)
+#include <consimd/kernels/export.hpp>
 
-namespace consimd {
+namespace CONSIMD_EXPORT consimd {
 
 /// Points `first` to `last` - 1.
 struct PointRun {
@@ -15,5 +15,3 @@ struct PointRun {
 };
 
 }  // namespace consimd
-
-#pragma GCC visibility pop

@@ -2,11 +2,10 @@
 #pragma once
 
 #include <consimd/kernels/correspondences.hpp>
+#include <consimd/kernels/export.hpp>
 #include <consimd/kernels/kernel_data.hpp>
 
-#pragma GCC visibility push(default)
-
-namespace consimd {
+namespace CONSIMD_EXPORT consimd {
 
 /// Moments with the given weights. weights: view.padded_size() floats, 64-byte aligned; those of padded lanes may be
 /// anything. Far rows (see Correspondences) make them NaN, whatever their weight: leave these out by a subset.
@@ -24,5 +23,3 @@ namespace consimd {
                                           const RobustWeight& weight);
 
 }  // namespace consimd
-
-#pragma GCC visibility pop

@@ -2,11 +2,10 @@
 #pragma once
 
 #include <consimd/kernels/correspondences.hpp>
+#include <consimd/kernels/export.hpp>
 #include <consimd/kernels/kernel_data.hpp>
 
-#pragma GCC visibility push(default)
-
-namespace consimd {
+namespace CONSIMD_EXPORT consimd {
 
 /// poses[h] = the least-squares rigid pose of triples[h], with its triangles' orientation kept (never a reflection).
 /// In closed form: each triangle spans a plane; the frames of both planes are matched and the remaining rotation within
@@ -17,5 +16,3 @@ void three_point_fits(const CorrespondenceView& view, std::span<const IndexTripl
                       std::span<WorkingPose> poses);
 
 }  // namespace consimd
-
-#pragma GCC visibility pop

@@ -4,10 +4,9 @@
 #include <algorithm>
 
 #include <consimd/kernels/correspondences.hpp>
+#include <consimd/kernels/export.hpp>
 
-#pragma GCC visibility push(default)
-
-namespace consimd {
+namespace CONSIMD_EXPORT consimd {
 
 /// `length` in the working frame of the view, as every kernel takes it: kept within [1e-9, 16]. Below, it is finer than
 /// single precision resolves; above, it exceeds every distance; and its fourth power stays a normal number in between.
@@ -16,5 +15,3 @@ namespace consimd {
 }
 
 }  // namespace consimd
-
-#pragma GCC visibility pop

@@ -8,10 +8,9 @@
 #include <string>
 
 #include <consimd/kernels/correspondences.hpp>
+#include <consimd/kernels/export.hpp>
 
-#pragma GCC visibility push(default)
-
-namespace consimd {
+namespace CONSIMD_EXPORT consimd {
 
 /// Points that are the columns of a 3 x N matrix of float or double: Matrix3Xd, a Map or Ref with any strides, the
 /// topRows<3>() of homogeneous points. The matrix must outlive the result; a temporary that owns its numbers does not
@@ -48,5 +47,3 @@ template <typename Derived>
 void row_points(const Eigen::PlainObjectBase<Derived>&& points) = delete;
 
 }  // namespace consimd
-
-#pragma GCC visibility pop

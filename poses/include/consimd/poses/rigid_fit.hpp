@@ -4,11 +4,10 @@
 #include <Eigen/Geometry>
 
 #include <consimd/kernels/correspondences.hpp>
+#include <consimd/kernels/export.hpp>
 #include <consimd/kernels/kernel_data.hpp>
 
-#pragma GCC visibility push(default)
-
-namespace consimd {
+namespace CONSIMD_EXPORT consimd {
 
 /// A rigid motion in double precision. Unaligned storage: the layout is the same whatever -m flags a program is built
 /// with.
@@ -43,5 +42,3 @@ static_assert(sizeof(RigidFit) == 19 * sizeof(double) && alignof(RigidFit) == al
 [[nodiscard]] RigidTransform to_working_frame(const RigidTransform& T_target_source, const Correspondences& frame);
 
 }  // namespace consimd
-
-#pragma GCC visibility pop

@@ -5,9 +5,9 @@
 #include <span>
 #include <vector>
 
-#pragma GCC visibility push(default)
+#include <consimd/kernels/export.hpp>
 
-namespace consimd {
+namespace CONSIMD_EXPORT consimd {
 
 struct AdaptiveVote {
   double value = 0.0;                    ///< weighted mean of the consensus
@@ -23,5 +23,3 @@ struct AdaptiveVote {
 [[nodiscard]] AdaptiveVote adaptive_voting(std::span<const double> values, std::span<const double> bounds);
 
 }  // namespace consimd
-
-#pragma GCC visibility pop

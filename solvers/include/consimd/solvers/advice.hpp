@@ -5,11 +5,10 @@
 #include <vector>
 
 #include <consimd/kernels/correspondences.hpp>
+#include <consimd/kernels/export.hpp>
 #include <consimd/solvers/registration.hpp>
 
-#pragma GCC visibility push(default)
-
-namespace consimd {
+namespace CONSIMD_EXPORT consimd {
 
 /// Sentences for people, each without a full stop; most often none. They tell of rows far from all others and of a
 /// noise bound that was raised; and where no pose was found, of a mirror image, of pair lengths that agree on another
@@ -19,5 +18,3 @@ namespace consimd {
 [[nodiscard]] std::vector<std::string> advice(const Correspondences& correspondences, const Registration& result);
 
 }  // namespace consimd
-
-#pragma GCC visibility pop

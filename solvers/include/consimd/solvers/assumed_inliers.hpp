@@ -6,11 +6,10 @@
 #include <vector>
 
 #include <consimd/kernels/correspondences.hpp>
+#include <consimd/kernels/export.hpp>
 #include <consimd/solvers/registration.hpp>
 
-#pragma GCC visibility push(default)
-
-namespace consimd {
+namespace CONSIMD_EXPORT consimd {
 
 /// What the points of both clouds determine of a pose.
 enum class PointGeometry : std::uint8_t {
@@ -43,5 +42,3 @@ struct AssumedInliers {
 [[nodiscard]] AssumedInliers register_assumed_inliers(const Correspondences& correspondences);
 
 }  // namespace consimd
-
-#pragma GCC visibility pop

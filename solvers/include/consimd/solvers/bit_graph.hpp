@@ -7,10 +7,9 @@
 #include <vector>
 
 #include <consimd/kernels/consistency_matrix.hpp>
+#include <consimd/kernels/export.hpp>
 
-#pragma GCC visibility push(default)
-
-namespace consimd {
+namespace CONSIMD_EXPORT consimd {
 
 class BitGraph;
 
@@ -87,5 +86,3 @@ struct CoreNumbers {
 [[nodiscard]] std::vector<std::uint32_t> maximum_core(const GraphView& graph);
 
 }  // namespace consimd
-
-#pragma GCC visibility pop

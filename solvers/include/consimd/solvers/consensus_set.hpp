@@ -4,9 +4,9 @@
 #include <cstdint>
 #include <vector>
 
-#pragma GCC visibility push(default)
+#include <consimd/kernels/export.hpp>
 
-namespace consimd {
+namespace CONSIMD_EXPORT consimd {
 
 /// Correspondences that a stage keeps.
 struct ConsensusSet {
@@ -16,5 +16,3 @@ struct ConsensusSet {
 };
 
 }  // namespace consimd
-
-#pragma GCC visibility pop

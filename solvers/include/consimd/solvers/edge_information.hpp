@@ -5,12 +5,11 @@
 
 #include <Eigen/Core>
 
+#include <consimd/kernels/export.hpp>
 #include <consimd/poses/rigid_fit.hpp>
 #include <consimd/solvers/pose_covariance.hpp>
 
-#pragma GCC visibility push(default)
-
-namespace consimd {
+namespace CONSIMD_EXPORT consimd {
 
 /// Whose error function an information matrix is made for. In all of them the measurement of the edge is
 /// Z = T_target_source, X_target and X_source are the poses of the two scans in the world, and the error compares Z
@@ -41,5 +40,3 @@ using EdgeInformation = Eigen::Matrix<double, 6, 6, Eigen::DontAlign>;
                                                PoseGraphLibrary library);
 
 }  // namespace consimd
-
-#pragma GCC visibility pop

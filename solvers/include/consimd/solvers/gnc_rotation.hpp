@@ -8,10 +8,9 @@
 #include <Eigen/Core>
 
 #include <consimd/kernels/correspondences.hpp>
+#include <consimd/kernels/export.hpp>
 
-#pragma GCC visibility push(default)
-
-namespace consimd {
+namespace CONSIMD_EXPORT consimd {
 
 struct GncRotationOptions {
   /// c: the largest error of an inlying difference vector, caller's unit: two noise bounds.
@@ -44,5 +43,3 @@ static_assert(alignof(GncRotation) == alignof(double));
                                        const GncRotationOptions& options);
 
 }  // namespace consimd
-
-#pragma GCC visibility pop

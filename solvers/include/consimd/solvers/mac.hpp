@@ -6,11 +6,10 @@
 #include <cstdint>
 
 #include <consimd/kernels/correspondences.hpp>
+#include <consimd/kernels/export.hpp>
 #include <consimd/solvers/registration.hpp>
 
-#pragma GCC visibility push(default)
-
-namespace consimd {
+namespace CONSIMD_EXPORT consimd {
 
 struct MacOptions {
   /// tau: the largest residual of an inlier, caller's unit; finite and > 0. 3 sigma per axis is the usual choice.
@@ -52,5 +51,3 @@ struct MacOptions {
 [[nodiscard]] Registration register_mac(const Correspondences& correspondences, const MacOptions& options);
 
 }  // namespace consimd
-
-#pragma GCC visibility pop

@@ -5,11 +5,10 @@
 #include <limits>
 #include <vector>
 
+#include <consimd/kernels/export.hpp>
 #include <consimd/solvers/bit_graph.hpp>
 
-#pragma GCC visibility push(default)
-
-namespace consimd {
+namespace CONSIMD_EXPORT consimd {
 
 /// A graph of N vertices can have 3^(N/3) maximal cliques, so both budgets are split evenly over the vertices: each
 /// spends its share on the cliques that it is the first of in a degeneracy order.
@@ -32,5 +31,3 @@ struct MaximalCliques {
 [[nodiscard]] MaximalCliques maximal_cliques(const GraphView& graph, const MaximalCliqueOptions& options = {});
 
 }  // namespace consimd
-
-#pragma GCC visibility pop

@@ -4,11 +4,10 @@
 #include <cstdint>
 #include <vector>
 
+#include <consimd/kernels/export.hpp>
 #include <consimd/solvers/bit_graph.hpp>
 
-#pragma GCC visibility push(default)
-
-namespace consimd {
+namespace CONSIMD_EXPORT consimd {
 
 struct MaximumCliqueOptions {
   /// Nodes of the search tree, at most; when they end before the proof, the best clique so far is given. 0: the greedy
@@ -39,5 +38,3 @@ struct MaximumClique {
 [[nodiscard]] MaximumClique maximum_clique(const GraphView& graph, const MaximumCliqueOptions& options = {});
 
 }  // namespace consimd
-
-#pragma GCC visibility pop

@@ -4,10 +4,9 @@
 #include <cstdint>
 
 #include <consimd/kernels/correspondences.hpp>
+#include <consimd/kernels/export.hpp>
 
-#pragma GCC visibility push(default)
-
-namespace consimd {
+namespace CONSIMD_EXPORT consimd {
 
 struct NoiseBoundEstimate {
   double noise_bound = 0.0;  ///< caller's unit; three times the estimated deviation per axis of inliers' residuals
@@ -25,5 +24,3 @@ struct NoiseBoundEstimate {
 [[nodiscard]] NoiseBoundEstimate estimate_noise_bound(const Correspondences& correspondences, std::uint64_t seed);
 
 }  // namespace consimd
-
-#pragma GCC visibility pop

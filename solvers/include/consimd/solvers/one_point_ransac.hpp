@@ -2,11 +2,10 @@
 #pragma once
 
 #include <consimd/kernels/correspondences.hpp>
+#include <consimd/kernels/export.hpp>
 #include <consimd/solvers/consensus_set.hpp>
 
-#pragma GCC visibility push(default)
-
-namespace consimd {
+namespace CONSIMD_EXPORT consimd {
 
 struct OnePointOptions {
   double consistency_bound = 0.0;  ///< largest difference of two lengths, caller's unit; the paper's 2 tau
@@ -23,5 +22,3 @@ struct OnePointOptions {
 [[nodiscard]] ConsensusSet one_point_ransac(const Correspondences& correspondences, const OnePointOptions& options);
 
 }  // namespace consimd
-
-#pragma GCC visibility pop

@@ -9,12 +9,11 @@
 
 #include <consimd/kernels/consistency_matrix.hpp>
 #include <consimd/kernels/correspondences.hpp>
+#include <consimd/kernels/export.hpp>
 #include <consimd/solvers/pose_ranking.hpp>
 #include <consimd/solvers/registration.hpp>
 
-#pragma GCC visibility push(default)
-
-namespace consimd {
+namespace CONSIMD_EXPORT consimd {
 
 struct Pcr99Options {
   /// tau: the largest residual of an inlier, caller's unit of the target; finite and > 0. 3 sigma per axis is the usual
@@ -89,5 +88,3 @@ void keep_best_connected(const ConsistencyMatrix& matrix, std::size_t count, std
 [[nodiscard]] Registration register_pcr99(const Correspondences& correspondences, const Pcr99Options& options);
 
 }  // namespace consimd
-
-#pragma GCC visibility pop

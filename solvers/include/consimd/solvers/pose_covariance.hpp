@@ -3,9 +3,9 @@
 
 #include <Eigen/Core>
 
-#pragma GCC visibility push(default)
+#include <consimd/kernels/export.hpp>
 
-namespace consimd {
+namespace CONSIMD_EXPORT consimd {
 
 /// Covariance of the error (theta, dt) of a pose, in this order:
 ///   R_true = Exp(theta) R_estimate, theta in rad;  t_true = t_estimate + dt, caller's unit;
@@ -22,5 +22,3 @@ using PoseCovariance = Eigen::Matrix<double, 6, 6, Eigen::DontAlign>;
 static_assert(sizeof(PoseCovariance) == 36 * sizeof(double) && alignof(PoseCovariance) == alignof(double));
 
 }  // namespace consimd
-
-#pragma GCC visibility pop

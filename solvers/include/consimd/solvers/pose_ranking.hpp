@@ -3,9 +3,9 @@
 
 #include <cstdint>
 
-#pragma GCC visibility push(default)
+#include <consimd/kernels/export.hpp>
 
-namespace consimd {
+namespace CONSIMD_EXPORT consimd {
 
 enum class PoseRanking : std::uint8_t {
   inlier_count,     ///< number of residuals below the noise bound
@@ -13,5 +13,3 @@ enum class PoseRanking : std::uint8_t {
 };
 
 }  // namespace consimd
-
-#pragma GCC visibility pop

@@ -2,12 +2,11 @@
 #pragma once
 
 #include <consimd/kernels/correspondences.hpp>
+#include <consimd/kernels/export.hpp>
 #include <consimd/poses/rigid_fit.hpp>
 #include <consimd/solvers/pose_covariance.hpp>
 
-#pragma GCC visibility push(default)
-
-namespace consimd {
+namespace CONSIMD_EXPORT consimd {
 
 struct PoseRefinementOptions {
   double noise_bound = 0.0;  ///< tau, caller's unit: residuals up to twice as large are looked at
@@ -42,5 +41,3 @@ struct RefinedPose {
                                       const PoseRefinementOptions& options);
 
 }  // namespace consimd
-
-#pragma GCC visibility pop

@@ -7,11 +7,10 @@
 #include <optional>
 
 #include <consimd/kernels/correspondences.hpp>
+#include <consimd/kernels/export.hpp>
 #include <consimd/solvers/registration.hpp>
 
-#pragma GCC visibility push(default)
-
-namespace consimd {
+namespace CONSIMD_EXPORT consimd {
 
 struct RansacOptions {
   /// tau: the largest residual of an inlier, caller's unit; finite and > 0. 3 sigma per axis is the usual choice.
@@ -41,5 +40,3 @@ struct RansacOptions {
 [[nodiscard]] Registration register_ransac(const Correspondences& correspondences, const RansacOptions& options);
 
 }  // namespace consimd
-
-#pragma GCC visibility pop

@@ -8,13 +8,12 @@
 #include <string_view>
 #include <vector>
 
+#include <consimd/kernels/export.hpp>
 #include <consimd/kernels/isa.hpp>
 #include <consimd/poses/rigid_fit.hpp>
 #include <consimd/solvers/pose_covariance.hpp>
 
-#pragma GCC visibility push(default)
-
-namespace consimd {
+namespace CONSIMD_EXPORT consimd {
 
 /// Why a solver stopped.
 enum class Status : std::uint8_t {
@@ -92,5 +91,3 @@ struct Registration {
 static_assert(alignof(Registration) == alignof(double));
 
 }  // namespace consimd
-
-#pragma GCC visibility pop

@@ -10,12 +10,11 @@
 #include <vector>
 
 #include <consimd/kernels/correspondences.hpp>
+#include <consimd/kernels/export.hpp>
 #include <consimd/solvers/registration.hpp>
 #include <consimd/solvers/solver_option.hpp>
 
-#pragma GCC visibility push(default)
-
-namespace consimd {
+namespace CONSIMD_EXPORT consimd {
 
 /// What a solver is to do, beside its options.
 struct SolverTask {
@@ -107,5 +106,3 @@ class SolverChoice {
 void require_scale_estimation(const SolverChoice& choice, std::span<const Solver> among = solvers());
 
 }  // namespace consimd
-
-#pragma GCC visibility pop

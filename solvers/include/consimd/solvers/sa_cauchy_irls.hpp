@@ -4,11 +4,10 @@
 #include <span>
 
 #include <consimd/kernels/correspondences.hpp>
+#include <consimd/kernels/export.hpp>
 #include <consimd/poses/rigid_fit.hpp>
 
-#pragma GCC visibility push(default)
-
-namespace consimd {
+namespace CONSIMD_EXPORT consimd {
 
 struct SaCauchyIrlsOptions {
   /// How the iteration is weighted and stopped.
@@ -35,5 +34,3 @@ struct IrlsResult {
                                         const SaCauchyIrlsOptions& options);
 
 }  // namespace consimd
-
-#pragma GCC visibility pop

@@ -10,12 +10,11 @@
 
 #include <consimd/kernels/consistency_matrix.hpp>
 #include <consimd/kernels/correspondences.hpp>
+#include <consimd/kernels/export.hpp>
 #include <consimd/solvers/pose_ranking.hpp>
 #include <consimd/solvers/registration.hpp>
 
-#pragma GCC visibility push(default)
-
-namespace consimd {
+namespace CONSIMD_EXPORT consimd {
 
 struct Sc2PcrOptions {
   /// tau: the largest residual of an inlier, caller's unit; finite and > 0. 3 sigma per axis is the usual choice.
@@ -82,5 +81,3 @@ struct SeedPoses {
 [[nodiscard]] Registration register_sc2_pcr(const Correspondences& correspondences, const Sc2PcrOptions& options);
 
 }  // namespace consimd
-
-#pragma GCC visibility pop

@@ -6,10 +6,9 @@
 #include <vector>
 
 #include <consimd/kernels/correspondences.hpp>
+#include <consimd/kernels/export.hpp>
 
-#pragma GCC visibility push(default)
-
-namespace consimd {
+namespace CONSIMD_EXPORT consimd {
 
 struct ScaleVotingOptions {
   double noise_bound = 0.0;  ///< tau, caller's unit of the target; finite and > 0
@@ -45,5 +44,3 @@ struct VotedScale {
                                                    const ScaleVotingOptions& options);
 
 }  // namespace consimd
-
-#pragma GCC visibility pop

@@ -4,11 +4,10 @@
 #include <cstdint>
 
 #include <consimd/kernels/correspondences.hpp>
+#include <consimd/kernels/export.hpp>
 #include <consimd/kernels/kernel_data.hpp>
 
-#pragma GCC visibility push(default)
-
-namespace consimd {
+namespace CONSIMD_EXPORT consimd {
 
 /// How closely is looked at a pose.
 enum class Scrutiny : std::uint8_t {
@@ -40,5 +39,3 @@ struct Significance {
                                         double noise_bound, Scrutiny scrutiny = Scrutiny::close);
 
 }  // namespace consimd
-
-#pragma GCC visibility pop

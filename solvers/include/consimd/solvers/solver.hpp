@@ -7,12 +7,11 @@
 #include <string_view>
 
 #include <consimd/kernels/correspondences.hpp>
+#include <consimd/kernels/export.hpp>
 #include <consimd/solvers/registration.hpp>
 #include <consimd/solvers/registry.hpp>
 
-#pragma GCC visibility push(default)
-
-namespace consimd {
+namespace CONSIMD_EXPORT consimd {
 
 /// What selects the correspondences that a solver is given.
 enum class Filter : std::uint8_t {
@@ -60,5 +59,3 @@ using SolverCall = std::function<Registration(const Correspondences&, double noi
                                          const SolverOptions& options);
 
 }  // namespace consimd
-
-#pragma GCC visibility pop

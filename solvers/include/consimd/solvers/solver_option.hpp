@@ -8,9 +8,9 @@
 #include <variant>
 #include <vector>
 
-#pragma GCC visibility push(default)
+#include <consimd/kernels/export.hpp>
 
-namespace consimd {
+namespace CONSIMD_EXPORT consimd {
 
 /// None (of an option that may be left out), a truth value, a whole number, a real number, or a name.
 using OptionValue = std::variant<std::monostate, bool, std::uint64_t, double, std::string>;
@@ -63,5 +63,3 @@ void require_allowed(const SolverOption& option, const OptionValue& value);
                                                std::string_view owner);
 
 }  // namespace consimd
-
-#pragma GCC visibility pop

@@ -3,11 +3,10 @@
 #pragma once
 
 #include <consimd/kernels/correspondences.hpp>
+#include <consimd/kernels/export.hpp>
 #include <consimd/solvers/registration.hpp>
 
-#pragma GCC visibility push(default)
-
-namespace consimd {
+namespace CONSIMD_EXPORT consimd {
 
 struct TcfOptions {
   /// tau: the largest residual of an inlier, caller's unit; finite and > 0. 3 sigma per axis is the usual choice.
@@ -35,5 +34,3 @@ struct TcfOptions {
 [[nodiscard]] Registration register_tcf(const Correspondences& correspondences, const TcfOptions& options);
 
 }  // namespace consimd
-
-#pragma GCC visibility pop

@@ -5,11 +5,10 @@
 #include <vector>
 
 #include <consimd/kernels/correspondences.hpp>
+#include <consimd/kernels/export.hpp>
 #include <consimd/solvers/registration.hpp>
 
-#pragma GCC visibility push(default)
-
-namespace consimd {
+namespace CONSIMD_EXPORT consimd {
 
 struct TcfFilterOptions {
   double noise_bound = 0.0;               ///< tau, caller's unit; finite and > 0. Lengths may differ by 2 tau
@@ -30,5 +29,3 @@ struct FilteredRows {
 [[nodiscard]] FilteredRows tcf_filter(const Correspondences& correspondences, const TcfFilterOptions& options);
 
 }  // namespace consimd
-
-#pragma GCC visibility pop

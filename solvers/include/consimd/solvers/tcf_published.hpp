@@ -5,11 +5,10 @@
 #include <cstdint>
 
 #include <consimd/kernels/correspondences.hpp>
+#include <consimd/kernels/export.hpp>
 #include <consimd/solvers/registration.hpp>
 
-#pragma GCC visibility push(default)
-
-namespace consimd {
+namespace CONSIMD_EXPORT consimd {
 
 struct TcfPublishedOptions {
   /// tau: the largest residual of an inlier, caller's unit; finite and > 0.
@@ -28,5 +27,3 @@ struct TcfPublishedOptions {
                                                   const TcfPublishedOptions& options);
 
 }  // namespace consimd
-
-#pragma GCC visibility pop

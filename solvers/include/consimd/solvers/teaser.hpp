@@ -6,13 +6,12 @@
 #include <cstdint>
 
 #include <consimd/kernels/correspondences.hpp>
+#include <consimd/kernels/export.hpp>
 #include <consimd/solvers/gnc_rotation.hpp>
 #include <consimd/solvers/maximum_clique.hpp>
 #include <consimd/solvers/registration.hpp>
 
-#pragma GCC visibility push(default)
-
-namespace consimd {
+namespace CONSIMD_EXPORT consimd {
 
 struct TeaserOptions {
   /// tau, the paper's beta: the largest residual of an inlier, caller's unit; finite and > 0.
@@ -52,5 +51,3 @@ struct TeaserOptions {
 [[nodiscard]] Registration register_teaser(const Correspondences& correspondences, const TeaserOptions& options);
 
 }  // namespace consimd
-
-#pragma GCC visibility pop

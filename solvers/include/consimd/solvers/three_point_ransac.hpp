@@ -4,12 +4,11 @@
 #include <span>
 
 #include <consimd/kernels/correspondences.hpp>
+#include <consimd/kernels/export.hpp>
 #include <consimd/poses/rigid_fit.hpp>
 #include <consimd/solvers/consensus_set.hpp>
 
-#pragma GCC visibility push(default)
-
-namespace consimd {
+namespace CONSIMD_EXPORT consimd {
 
 struct ThreePointOptions {
   double noise_bound = 0.0;  ///< tau, caller's unit
@@ -30,5 +29,3 @@ struct ThreePointResult {
                                                   const ThreePointOptions& options);
 
 }  // namespace consimd
-
-#pragma GCC visibility pop

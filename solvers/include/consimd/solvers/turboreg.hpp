@@ -9,12 +9,11 @@
 
 #include <consimd/kernels/consistency_matrix.hpp>
 #include <consimd/kernels/correspondences.hpp>
+#include <consimd/kernels/export.hpp>
 #include <consimd/solvers/pose_ranking.hpp>
 #include <consimd/solvers/registration.hpp>
 
-#pragma GCC visibility push(default)
-
-namespace consimd {
+namespace CONSIMD_EXPORT consimd {
 
 struct TurboRegOptions {
   /// tau: the largest residual of an inlier, caller's unit; finite and > 0. 3 sigma per axis is the usual choice.
@@ -54,5 +53,3 @@ struct TurboRegOptions {
 [[nodiscard]] Registration register_turboreg(const Correspondences& correspondences, const TurboRegOptions& options);
 
 }  // namespace consimd
-
-#pragma GCC visibility pop

@@ -4,11 +4,10 @@
 #include <span>
 
 #include <consimd/kernels/correspondences.hpp>
+#include <consimd/kernels/export.hpp>
 #include <consimd/solvers/consensus_set.hpp>
 
-#pragma GCC visibility push(default)
-
-namespace consimd {
+namespace CONSIMD_EXPORT consimd {
 
 /// Which angles the test compares.
 enum class AngleTest : std::uint8_t {
@@ -34,5 +33,3 @@ struct TwoPointOptions {
                                             std::span<const std::uint32_t> candidates, const TwoPointOptions& options);
 
 }  // namespace consimd
-
-#pragma GCC visibility pop

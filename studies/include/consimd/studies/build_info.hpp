@@ -4,9 +4,10 @@
 #include <string>
 #include <string_view>
 
-#pragma GCC visibility push(default)
+#include <consimd/kernels/export.hpp>
 
-namespace consimd::studies {
+namespace consimd {
+namespace CONSIMD_EXPORT studies {
 
 struct BuildInfo {
   std::string_view version;
@@ -26,6 +27,5 @@ struct Machine {
 
 [[nodiscard]] Machine this_machine();
 
-}  // namespace consimd::studies
-
-#pragma GCC visibility pop
+}  // namespace studies
+}  // namespace consimd

@@ -8,11 +8,11 @@
 #include <string_view>
 #include <vector>
 
+#include <consimd/kernels/export.hpp>
 #include <consimd/studies/case_group.hpp>
 
-#pragma GCC visibility push(default)
-
-namespace consimd::studies {
+namespace consimd {
+namespace CONSIMD_EXPORT studies {
 
 /// What a case.json holds.
 struct CaseFile {
@@ -41,6 +41,5 @@ struct CaseFile {
 [[nodiscard]] std::vector<CaseGroup> case_folder_groups(const std::filesystem::path& folder, std::uint64_t seed,
                                                         std::string_view preset);
 
-}  // namespace consimd::studies
-
-#pragma GCC visibility pop
+}  // namespace studies
+}  // namespace consimd

@@ -9,13 +9,13 @@
 #include <string_view>
 #include <vector>
 
+#include <consimd/kernels/export.hpp>
 #include <consimd/synth/problem.hpp>
 
 #include <consimd/studies/success_limits.hpp>
 
-#pragma GCC visibility push(default)
-
-namespace consimd::studies {
+namespace consimd {
+namespace CONSIMD_EXPORT studies {
 
 /// A registration problem with its truth.
 struct Case {
@@ -57,6 +57,5 @@ struct NoiseCells {
 /// Throws std::invalid_argument on values that the noise study would refuse.
 [[nodiscard]] std::vector<CaseGroup> noise_groups(const NoiseCells& cells);
 
-}  // namespace consimd::studies
-
-#pragma GCC visibility pop
+}  // namespace studies
+}  // namespace consimd

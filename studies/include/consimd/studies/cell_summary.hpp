@@ -7,13 +7,13 @@
 #include <string_view>
 #include <vector>
 
+#include <consimd/kernels/export.hpp>
 #include <consimd/studies/statistics.hpp>
 #include <consimd/studies/table_columns.hpp>
 #include <consimd/studies/trial_table.hpp>
 
-#pragma GCC visibility push(default)
-
-namespace consimd::studies {
+namespace consimd {
+namespace CONSIMD_EXPORT studies {
 
 /// Rotation error in degrees and translation error in metres.
 struct PoseError {
@@ -97,6 +97,5 @@ class StudySummary {
 [[nodiscard]] std::vector<CellSummary> summarise_cells(const TrialTable& table);
 [[nodiscard]] std::vector<RatioSummary> summarise_ratios(const TrialTable& table);
 
-}  // namespace consimd::studies
-
-#pragma GCC visibility pop
+}  // namespace studies
+}  // namespace consimd

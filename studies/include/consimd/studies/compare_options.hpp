@@ -6,13 +6,13 @@
 #include <string>
 #include <vector>
 
+#include <consimd/kernels/export.hpp>
 #include <consimd/studies/comparison.hpp>
 #include <consimd/studies/comparison_folder.hpp>
 #include <consimd/studies/paper_tables.hpp>
 
-#pragma GCC visibility push(default)
-
-namespace consimd::studies {
+namespace consimd {
+namespace CONSIMD_EXPORT studies {
 
 /// Defaults: all solvers on the stand-ins, the table "solvers".
 struct CompareOptions {
@@ -40,6 +40,5 @@ struct CompareOptions {
 /// All that decides what is run, as comparison.json tells it.
 [[nodiscard]] std::vector<OptionText> option_texts(const CompareOptions& options);
 
-}  // namespace consimd::studies
-
-#pragma GCC visibility pop
+}  // namespace studies
+}  // namespace consimd

@@ -9,12 +9,12 @@
 #include <tuple>
 #include <vector>
 
+#include <consimd/kernels/export.hpp>
 #include <consimd/studies/case_group.hpp>
 #include <consimd/studies/run_record.hpp>
 
-#pragma GCC visibility push(default)
-
-namespace consimd::studies {
+namespace consimd {
+namespace CONSIMD_EXPORT studies {
 
 /// All runs of a comparison, done or not. The order is that of groups, cases, methods and seeds, whoever fills it in,
 /// and when.
@@ -64,6 +64,5 @@ struct ComparisonControl {
 /// groups.
 void run_comparison(Comparison& comparison, const ComparisonControl& control = {});
 
-}  // namespace consimd::studies
-
-#pragma GCC visibility pop
+}  // namespace studies
+}  // namespace consimd

@@ -8,13 +8,13 @@
 #include <string_view>
 #include <vector>
 
+#include <consimd/kernels/export.hpp>
 #include <consimd/studies/comparison.hpp>
 #include <consimd/studies/folder_lock.hpp>
 #include <consimd/studies/text_table.hpp>
 
-#pragma GCC visibility push(default)
-
-namespace consimd::studies {
+namespace consimd {
+namespace CONSIMD_EXPORT studies {
 
 /// A value of an option as it is told: name and text.
 using OptionText = std::pair<std::string, std::string>;
@@ -51,6 +51,5 @@ class ComparisonFolder {
   std::ofstream runs_;
 };
 
-}  // namespace consimd::studies
-
-#pragma GCC visibility pop
+}  // namespace studies
+}  // namespace consimd

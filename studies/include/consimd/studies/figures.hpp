@@ -4,9 +4,10 @@
 #include <filesystem>
 #include <string_view>
 
-#pragma GCC visibility push(default)
+#include <consimd/kernels/export.hpp>
 
-namespace consimd::studies {
+namespace consimd {
+namespace CONSIMD_EXPORT studies {
 
 /// Scripts.
 inline constexpr std::string_view kSweepScript = "plot_sweep.py";
@@ -19,6 +20,5 @@ inline constexpr std::string_view kIterationsScript = "plot_iterations.py";
 /// that says in one line what is missing.
 void draw_figures(std::string_view script, const std::filesystem::path& folder, const std::filesystem::path& program);
 
-}  // namespace consimd::studies
-
-#pragma GCC visibility pop
+}  // namespace studies
+}  // namespace consimd

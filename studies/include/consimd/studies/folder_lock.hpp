@@ -3,9 +3,10 @@
 
 #include <filesystem>
 
-#pragma GCC visibility push(default)
+#include <consimd/kernels/export.hpp>
 
-namespace consimd::studies {
+namespace consimd {
+namespace CONSIMD_EXPORT studies {
 
 /// Holds a folder until its end, or that of the process. Where the file system knows no locks it holds nothing.
 class FolderLock {
@@ -20,6 +21,5 @@ class FolderLock {
   int descriptor_;
 };
 
-}  // namespace consimd::studies
-
-#pragma GCC visibility pop
+}  // namespace studies
+}  // namespace consimd

@@ -9,13 +9,13 @@
 #include <string_view>
 #include <vector>
 
+#include <consimd/kernels/export.hpp>
 #include <consimd/studies/shard.hpp>
 #include <consimd/studies/sweep_options.hpp>
 #include <consimd/studies/table_columns.hpp>
 
-#pragma GCC visibility push(default)
-
-namespace consimd::studies {
+namespace consimd {
+namespace CONSIMD_EXPORT studies {
 
 /// Problems without a true pose per noise level.
 inline constexpr std::uint32_t kLimitProblems = 10;
@@ -72,6 +72,5 @@ struct LimitControl {
 [[nodiscard]] std::optional<LimitRecord> measure_limit(const SweepOptions& options, double sigma,
                                                        const LimitControl& control = {});
 
-}  // namespace consimd::studies
-
-#pragma GCC visibility pop
+}  // namespace studies
+}  // namespace consimd

@@ -7,11 +7,11 @@
 #include <vector>
 
 #include <consimd/kernels/correspondences.hpp>
+#include <consimd/kernels/export.hpp>
 #include <consimd/poses/rigid_fit.hpp>
 
-#pragma GCC visibility push(default)
-
-namespace consimd::studies {
+namespace consimd {
+namespace CONSIMD_EXPORT studies {
 
 /// What a method made of a problem.
 struct Outcome {
@@ -44,6 +44,5 @@ struct Outcome {
 [[nodiscard]] std::string with_scale(std::string_view solver);
 [[nodiscard]] std::string plain_ransac(std::uint32_t iterations);
 
-}  // namespace consimd::studies
-
-#pragma GCC visibility pop
+}  // namespace studies
+}  // namespace consimd

@@ -7,12 +7,12 @@
 #include <string_view>
 #include <vector>
 
+#include <consimd/kernels/export.hpp>
 #include <consimd/studies/comparison.hpp>
 #include <consimd/studies/text_table.hpp>
 
-#pragma GCC visibility push(default)
-
-namespace consimd::studies {
+namespace consimd {
+namespace CONSIMD_EXPORT studies {
 
 struct TableInfo {
   std::string_view name;
@@ -52,6 +52,5 @@ void validate(const TableOptions& options);
 /// The tables, in the order of paper_tables(). Runs that are missing are left out.
 [[nodiscard]] std::vector<TextTable> make_tables(const TableOptions& options, const Comparison& comparison);
 
-}  // namespace consimd::studies
-
-#pragma GCC visibility pop
+}  // namespace studies
+}  // namespace consimd

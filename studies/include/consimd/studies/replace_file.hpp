@@ -4,9 +4,10 @@
 #include <filesystem>
 #include <string_view>
 
-#pragma GCC visibility push(default)
+#include <consimd/kernels/export.hpp>
 
-namespace consimd::studies {
+namespace consimd {
+namespace CONSIMD_EXPORT studies {
 
 /// Writes `content` to a file of another name in the same folder and renames it to `path`, following symbolic links.
 /// What is not a regular file (a pipe, /dev/null) is written to directly. Throws std::runtime_error that names the
@@ -20,6 +21,5 @@ void require_replaceable(const std::filesystem::path& path);
 /// it.
 void require_writable_folder(const std::filesystem::path& folder);
 
-}  // namespace consimd::studies
-
-#pragma GCC visibility pop
+}  // namespace studies
+}  // namespace consimd

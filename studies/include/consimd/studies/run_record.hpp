@@ -6,11 +6,11 @@
 #include <string>
 #include <string_view>
 
+#include <consimd/kernels/export.hpp>
 #include <consimd/studies/table_columns.hpp>
 
-#pragma GCC visibility push(default)
-
-namespace consimd::studies {
+namespace consimd {
+namespace CONSIMD_EXPORT studies {
 
 /// One run of a method on a case; `kRunColumns` says what the members mean.
 struct RunRecord {
@@ -62,6 +62,5 @@ inline constexpr std::tuple kRunColumns{
 /// Inverse of `to_csv_row`, the newline left out. Throws std::invalid_argument that says what is wrong.
 [[nodiscard]] RunRecord parse_run_row(std::string_view line);
 
-}  // namespace consimd::studies
-
-#pragma GCC visibility pop
+}  // namespace studies
+}  // namespace consimd

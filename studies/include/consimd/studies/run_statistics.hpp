@@ -4,12 +4,12 @@
 #include <string>
 #include <vector>
 
+#include <consimd/kernels/export.hpp>
 #include <consimd/studies/run_record.hpp>
 #include <consimd/studies/statistics.hpp>
 
-#pragma GCC visibility push(default)
-
-namespace consimd::studies {
+namespace consimd {
+namespace CONSIMD_EXPORT studies {
 
 /// An error over several runs; NaN where there is none to take it over.
 struct ErrorStatistics {
@@ -44,6 +44,5 @@ struct RunStatistics {
 [[nodiscard]] std::string milliseconds(double seconds);
 [[nodiscard]] std::string count(double number);
 
-}  // namespace consimd::studies
-
-#pragma GCC visibility pop
+}  // namespace studies
+}  // namespace consimd

@@ -8,9 +8,10 @@
 #include <string>
 #include <string_view>
 
-#pragma GCC visibility push(default)
+#include <consimd/kernels/export.hpp>
 
-namespace consimd::studies {
+namespace consimd {
+namespace CONSIMD_EXPORT studies {
 
 /// One of `count` parts of a study. What there is to do is numbered, and dealt out in turns like cards.
 struct Shard {
@@ -52,6 +53,5 @@ using Environment = std::function<const char*(const char*)>;
 /// launchers divide the work differently.
 [[nodiscard]] Shard shard_from_environment(std::string_view launcher, const Environment& environment);
 
-}  // namespace consimd::studies
-
-#pragma GCC visibility pop
+}  // namespace studies
+}  // namespace consimd

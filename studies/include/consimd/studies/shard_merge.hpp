@@ -5,12 +5,12 @@
 #include <string>
 #include <vector>
 
+#include <consimd/kernels/export.hpp>
 #include <consimd/studies/limits.hpp>
 #include <consimd/studies/trial_table.hpp>
 
-#pragma GCC visibility push(default)
-
-namespace consimd::studies {
+namespace consimd {
+namespace CONSIMD_EXPORT studies {
 
 /// The folders of shards among `folders` and directly in them. Throws std::runtime_error that names a folder that
 /// neither is one nor holds any.
@@ -28,6 +28,5 @@ struct MergedStudy {
 /// levels only, or of none if `need_limits`.
 [[nodiscard]] MergedStudy merge_shards(const std::vector<std::filesystem::path>& folders, bool need_limits);
 
-}  // namespace consimd::studies
-
-#pragma GCC visibility pop
+}  // namespace studies
+}  // namespace consimd

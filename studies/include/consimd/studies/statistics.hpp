@@ -4,9 +4,10 @@
 #include <cstddef>
 #include <vector>
 
-#pragma GCC visibility push(default)
+#include <consimd/kernels/export.hpp>
 
-namespace consimd::studies {
+namespace consimd {
+namespace CONSIMD_EXPORT studies {
 
 /// A 95 % confidence interval of a success probability.
 struct Interval {
@@ -22,6 +23,5 @@ struct Interval {
 /// Middle value, or the mean of the two middle ones. Empty: NaN.
 [[nodiscard]] double median(std::vector<double> values);
 
-}  // namespace consimd::studies
-
-#pragma GCC visibility pop
+}  // namespace studies
+}  // namespace consimd

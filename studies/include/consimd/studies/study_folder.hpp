@@ -8,15 +8,15 @@
 #include <string_view>
 #include <vector>
 
+#include <consimd/kernels/export.hpp>
 #include <consimd/studies/cell_summary.hpp>
 #include <consimd/studies/folder_lock.hpp>
 #include <consimd/studies/limits.hpp>
 #include <consimd/studies/study_summary.hpp>
 #include <consimd/studies/trial_table.hpp>
 
-#pragma GCC visibility push(default)
-
-namespace consimd::studies {
+namespace consimd {
+namespace CONSIMD_EXPORT studies {
 
 // Files of a study's folder.
 inline constexpr std::string_view kTrialsFile = "trials.csv";
@@ -72,6 +72,5 @@ class StudyFolder {
 void write_study(const std::filesystem::path& folder, const TrialTable& table, const std::vector<LimitRecord>& limits,
                  std::string_view summary, bool fresh);
 
-}  // namespace consimd::studies
-
-#pragma GCC visibility pop
+}  // namespace studies
+}  // namespace consimd

@@ -6,12 +6,12 @@
 #include <string>
 #include <string_view>
 
+#include <consimd/kernels/export.hpp>
 #include <consimd/studies/shard.hpp>
 #include <consimd/studies/trial_table.hpp>
 
-#pragma GCC visibility push(default)
-
-namespace consimd::studies {
+namespace consimd {
+namespace CONSIMD_EXPORT studies {
 
 /// How far a study has come and what it runs on.
 struct RunFacts {
@@ -42,6 +42,5 @@ struct RunFacts {
 [[nodiscard]] SweepOptions options_of(std::string_view summary);
 [[nodiscard]] std::optional<Shard> shard_of(std::string_view summary);
 
-}  // namespace consimd::studies
-
-#pragma GCC visibility pop
+}  // namespace studies
+}  // namespace consimd

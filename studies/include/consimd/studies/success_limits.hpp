@@ -6,9 +6,10 @@
 #include <string>
 #include <string_view>
 
-#pragma GCC visibility push(default)
+#include <consimd/kernels/export.hpp>
 
-namespace consimd::studies {
+namespace consimd {
+namespace CONSIMD_EXPORT studies {
 
 /// Largest errors of a success.
 struct PoseLimits {
@@ -37,6 +38,5 @@ struct LimitPreset {
 /// Throws std::invalid_argument that lists the known presets unless `preset` is one.
 void require_known_preset(std::string_view preset);
 
-}  // namespace consimd::studies
-
-#pragma GCC visibility pop
+}  // namespace studies
+}  // namespace consimd

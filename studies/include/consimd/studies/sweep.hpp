@@ -3,11 +3,11 @@
 
 #include <functional>
 
+#include <consimd/kernels/export.hpp>
 #include <consimd/studies/trial_table.hpp>
 
-#pragma GCC visibility push(default)
-
-namespace consimd::studies {
+namespace consimd {
+namespace CONSIMD_EXPORT studies {
 
 struct SweepControl {
   /// Called as trials end, one call at a time, from any thread of the arena, before the record enters the table.
@@ -24,6 +24,5 @@ struct SweepControl {
 /// time left can be told from the time passed.
 void run_sweep(TrialTable& table, const SweepControl& control = {});
 
-}  // namespace consimd::studies
-
-#pragma GCC visibility pop
+}  // namespace studies
+}  // namespace consimd

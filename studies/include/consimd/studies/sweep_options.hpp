@@ -7,11 +7,11 @@
 #include <string_view>
 #include <vector>
 
+#include <consimd/kernels/export.hpp>
 #include <consimd/solvers/solver.hpp>
 
-#pragma GCC visibility push(default)
-
-namespace consimd::studies {
+namespace consimd {
+namespace CONSIMD_EXPORT studies {
 
 /// The noise study of the TCF paper, as `parse_value_list` reads it.
 inline constexpr std::string_view kPaperOutlierRatios = "0.1,0.5,0.9,0.95,0.98";
@@ -36,6 +36,5 @@ struct SweepOptions {
 /// outlier ratio that leaves fewer than three inliers, an unknown solver, a bad option of one.
 void validate(const SweepOptions& options);
 
-}  // namespace consimd::studies
-
-#pragma GCC visibility pop
+}  // namespace studies
+}  // namespace consimd

@@ -5,9 +5,10 @@
 #include <string_view>
 #include <vector>
 
-#pragma GCC visibility push(default)
+#include <consimd/kernels/export.hpp>
 
-namespace consimd::studies {
+namespace consimd {
+namespace CONSIMD_EXPORT studies {
 
 struct TextTable {
   std::string name;  ///< of its files
@@ -23,6 +24,5 @@ struct TextTable {
 /// The columns and rows alone.
 [[nodiscard]] std::string to_csv(const TextTable& table);
 
-}  // namespace consimd::studies
-
-#pragma GCC visibility pop
+}  // namespace studies
+}  // namespace consimd

@@ -5,11 +5,11 @@
 #include <string>
 #include <string_view>
 
+#include <consimd/kernels/export.hpp>
 #include <consimd/studies/table_columns.hpp>
 
-#pragma GCC visibility push(default)
-
-namespace consimd::studies {
+namespace consimd {
+namespace CONSIMD_EXPORT studies {
 
 /// The outcome of one solver on one synthetic problem; `kTrialColumns` says what the members mean.
 struct TrialRecord {
@@ -61,6 +61,5 @@ inline constexpr std::tuple kTrialColumns{
 /// Inverse of `to_csv_row`, the newline left out. Throws std::invalid_argument that says what is wrong.
 [[nodiscard]] TrialRecord parse_trial_row(std::string_view line);
 
-}  // namespace consimd::studies
-
-#pragma GCC visibility pop
+}  // namespace studies
+}  // namespace consimd

@@ -10,13 +10,13 @@
 #include <string>
 #include <vector>
 
+#include <consimd/kernels/export.hpp>
 #include <consimd/studies/shard.hpp>
 #include <consimd/studies/sweep_options.hpp>
 #include <consimd/studies/trial_record.hpp>
 
-#pragma GCC visibility push(default)
-
-namespace consimd::studies {
+namespace consimd {
+namespace CONSIMD_EXPORT studies {
 
 /// A slot for every trial of a study, ordered by solver, outlier ratio, noise level and trial: whoever fills them, and
 /// when, the table reads the same.
@@ -86,6 +86,5 @@ class TrialTable {
   std::size_t filled_count_ = 0;
 };
 
-}  // namespace consimd::studies
-
-#pragma GCC visibility pop
+}  // namespace studies
+}  // namespace consimd

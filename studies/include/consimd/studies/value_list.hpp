@@ -4,9 +4,10 @@
 #include <string_view>
 #include <vector>
 
-#pragma GCC visibility push(default)
+#include <consimd/kernels/export.hpp>
 
-namespace consimd::studies {
+namespace consimd {
+namespace CONSIMD_EXPORT studies {
 
 /// "start:end:count" gives `count` >= 2 evenly spaced values, both ends included; "v1,v2,..." is taken as is.
 /// Spaced values are rounded to 12 significant digits: 0.1:5:50 holds 0.3, not 0.30000000000000004.
@@ -16,6 +17,5 @@ namespace consimd::studies {
 /// One finite number and nothing else, whatever the locale. Throws std::invalid_argument.
 [[nodiscard]] double parse_number(std::string_view text);
 
-}  // namespace consimd::studies
-
-#pragma GCC visibility pop
+}  // namespace studies
+}  // namespace consimd

@@ -6,11 +6,11 @@
 #include <cstddef>
 #include <cstdint>
 
+#include <consimd/kernels/export.hpp>
 #include <consimd/synth/problem.hpp>
 
-#pragma GCC visibility push(default)
-
-namespace consimd::synth {
+namespace consimd {
+namespace CONSIMD_EXPORT synth {
 
 // Points of all problems lie in the cube [-half_extent, half_extent]^3, motions turn uniformly and move by as much as
 // that along each axis; rows come in random order. Lengths share one unit. Every function throws std::invalid_argument
@@ -76,6 +76,5 @@ struct SymmetricPartOptions {
 /// `folds` poses are equally true; the labels and the pose are of one of them, the decoy pose is the next.
 [[nodiscard]] Problem symmetric_part(const SymmetricPartOptions& options);
 
-}  // namespace consimd::synth
-
-#pragma GCC visibility pop
+}  // namespace synth
+}  // namespace consimd

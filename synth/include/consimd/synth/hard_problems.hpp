@@ -5,11 +5,11 @@
 #include <cstddef>
 #include <cstdint>
 
+#include <consimd/kernels/export.hpp>
 #include <consimd/synth/problem.hpp>
 
-#pragma GCC visibility push(default)
-
-namespace consimd::synth {
+namespace consimd {
+namespace CONSIMD_EXPORT synth {
 
 /// Where source points lie. All but the volume are turned at random. E: half_extent.
 enum class Scene : std::uint8_t {
@@ -99,6 +99,5 @@ struct HardProblemOptions {
 /// asks for more rows than there are outliers.
 [[nodiscard]] Problem hard_problem(const HardProblemOptions& options);
 
-}  // namespace consimd::synth
-
-#pragma GCC visibility pop
+}  // namespace synth
+}  // namespace consimd

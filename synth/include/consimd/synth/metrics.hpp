@@ -4,11 +4,11 @@
 #include <cstdint>
 #include <span>
 
+#include <consimd/kernels/export.hpp>
 #include <consimd/synth/problem.hpp>
 
-#pragma GCC visibility push(default)
-
-namespace consimd::synth {
+namespace consimd {
+namespace CONSIMD_EXPORT synth {
 
 /// Angle of R_estimate R_truth^T in degrees, [0, 180], taken from the unit quaternions: accurate to rounding from 0 to
 /// 180 degrees, where an arccosine loses half the digits.
@@ -38,6 +38,5 @@ struct InlierQuality {
 /// so its errors, without any.
 [[nodiscard]] RigidTransform oracle(const Problem& problem);
 
-}  // namespace consimd::synth
-
-#pragma GCC visibility pop
+}  // namespace synth
+}  // namespace consimd

@@ -4,11 +4,11 @@
 #include <cstddef>
 #include <cstdint>
 
+#include <consimd/kernels/export.hpp>
 #include <consimd/synth/problem.hpp>
 
-#pragma GCC visibility push(default)
-
-namespace consimd::synth {
+namespace consimd {
+namespace CONSIMD_EXPORT synth {
 
 /// One trial's data depend on these values alone: every solver sees the same bytes.
 struct NoiseStudyOptions {
@@ -30,6 +30,5 @@ struct NoiseStudyOptions {
 /// The bound that the study gives a solver: 3 sigma.
 [[nodiscard]] constexpr double noise_study_bound(double sigma) noexcept { return 3.0 * sigma; }
 
-}  // namespace consimd::synth
-
-#pragma GCC visibility pop
+}  // namespace synth
+}  // namespace consimd

@@ -4,9 +4,10 @@
 #include <filesystem>
 #include <string_view>
 
-#pragma GCC visibility push(default)
+#include <consimd/kernels/export.hpp>
 
-namespace consimd::synth {
+namespace consimd {
+namespace CONSIMD_EXPORT synth {
 
 /// A file with its content that does not have its name yet: `commit` gives it the name, else it disappears.
 ///
@@ -42,6 +43,5 @@ class PendingFile {
 /// cannot be read or its file system knows no locks.
 void remove_abandoned_files(const std::filesystem::path& folder) noexcept;
 
-}  // namespace consimd::synth
-
-#pragma GCC visibility pop
+}  // namespace synth
+}  // namespace consimd

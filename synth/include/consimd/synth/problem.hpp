@@ -6,11 +6,11 @@
 #include <vector>
 
 #include <consimd/kernels/correspondences.hpp>
+#include <consimd/kernels/export.hpp>
 #include <consimd/poses/rigid_fit.hpp>
 
-#pragma GCC visibility push(default)
-
-namespace consimd::synth {
+namespace consimd {
+namespace CONSIMD_EXPORT synth {
 
 /// N putative correspondences and the truth about them. All lengths share one unit: metres, unless the generator was
 /// asked for another.
@@ -27,6 +27,5 @@ struct Problem {
   [[nodiscard]] Correspondences correspondences() const;
 };
 
-}  // namespace consimd::synth
-
-#pragma GCC visibility pop
+}  // namespace synth
+}  // namespace consimd

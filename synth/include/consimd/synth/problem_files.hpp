@@ -8,12 +8,12 @@
 #include <filesystem>
 
 #include <consimd/kernels/correspondences.hpp>
+#include <consimd/kernels/export.hpp>
 #include <consimd/poses/rigid_fit.hpp>
 #include <consimd/synth/problem.hpp>
 
-#pragma GCC visibility push(default)
-
-namespace consimd::synth {
+namespace consimd {
+namespace CONSIMD_EXPORT synth {
 
 /// Writes four files to `folder`, which is made if need be:
 ///   correspondences.txt  N rows of source xyz and target xyz after a '#' line that names the columns
@@ -52,6 +52,5 @@ struct ScaledPose {
 [[nodiscard]] Problem read_problem(const std::filesystem::path& correspondences, const std::filesystem::path& pose,
                                    double noise_bound);
 
-}  // namespace consimd::synth
-
-#pragma GCC visibility pop
+}  // namespace synth
+}  // namespace consimd

@@ -7,11 +7,11 @@
 #include <span>
 #include <string_view>
 
+#include <consimd/kernels/export.hpp>
 #include <consimd/synth/problem.hpp>
 
-#pragma GCC visibility push(default)
-
-namespace consimd::synth {
+namespace consimd {
+namespace CONSIMD_EXPORT synth {
 
 /// What a stand-in's scanners see.
 enum class ScannedScene : std::uint8_t { arch, courtyard, facade, office, trees, highway, country, urban, mixed };
@@ -48,6 +48,5 @@ struct StandIn {
 /// The pair depends on (stand_in.name, seed, trial) alone. Not real data: the paper's numbers cannot be had from it.
 [[nodiscard]] Problem stand_in_problem(const StandIn& stand_in, std::uint64_t seed, std::uint64_t trial);
 
-}  // namespace consimd::synth
-
-#pragma GCC visibility pop
+}  // namespace synth
+}  // namespace consimd
