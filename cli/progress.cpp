@@ -1,6 +1,5 @@
 #include "progress.hpp"
 
-#include <unistd.h>
 #include <cmath>
 
 #include <fmt/format.h>
@@ -30,7 +29,7 @@ Progress::Progress(std::size_t total, std::size_t done, std::string_view steps)
       done_before_(done),
       done_(done),
       steps_(steps),
-      terminal_(isatty(STDERR_FILENO) == 1),
+      terminal_(error_stream_is_terminal()),
       start_(Clock::now()),
       shown_(start_) {
   if (terminal_) show(start_);

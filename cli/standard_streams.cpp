@@ -16,6 +16,8 @@ void occupy_standard_descriptors() {
   }
 }
 
+bool error_stream_is_terminal() noexcept { return isatty(STDERR_FILENO) == 1; }
+
 void flush_standard_output() {
   // A stream remembers a write that failed before, which a later flush of nothing would not show.
   if (std::fflush(stdout) != 0 || std::ferror(stdout) != 0) {

@@ -12,6 +12,9 @@ namespace consimd::cli {
 /// is opened, and what is printed would land in it. Using such a stream fails from here on. Call it first of all.
 void occupy_standard_descriptors();
 
+/// Whether somebody reads the standard error stream on a terminal, and lines may be drawn over.
+[[nodiscard]] bool error_stream_is_terminal() noexcept;
+
 /// Writes out what was printed. Throws std::runtime_error if that, or any printing before, failed.
 void flush_standard_output();
 

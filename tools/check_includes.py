@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
-"""Holds the includes of the C++ sources against two tables: which layers a layer may use, and which rooms of the solvers a
-room may use.
+"""Holds the includes of the C++ sources against three tables: which layers a layer may use, which rooms of the solvers a
+room may use, and which sources may call POSIX.
 
 check_includes.py [--graph]: exit status 1 and a line per fault where a source includes what its layer or room may not, or
 where the rooms include one another in a circle. --graph prints the rooms in layers, each with those that it includes.
@@ -52,6 +52,19 @@ ROOMS = {
 # The room of a public header without a source.
 HEADER_ROOMS = {"consensus_set": "tcf", "pose_covariance": "call", "pose_ranking": "support"}
 
+# The sources of libraries, command and Python module that call the operating system, each for one purpose. The others are
+# standard C++. Tests and fuzz targets may.
+POSIX = {
+    "synth/src/pending_file.cpp": "files that appear whole or not at all",
+    "studies/src/files/folder_lock.cpp": "one process in a study's folder",
+    "studies/src/figures/figures.cpp": "the process that draws",
+    "studies/src/provenance/machine.cpp": "the system's name",
+    "cli/interruption.cpp": "signals",
+    "cli/standard_streams.cpp": "descriptors and terminals",
+    "python/src/interruptible_call.cpp": "forked interpreters",
+}
+POSIX_HEADER = re.compile(r"(sys|net|arpa|netinet)/|(unistd|fcntl|signal|spawn|pthread|poll|dirent|dlfcn|termios|pwd|sched|semaphore)\.h$")
+
 INCLUDE = re.compile(r'^\s*#\s*include\s+[<"]([^>"]+)[>"]')
 
 
@@ -79,6 +92,16 @@ def layer_faults(root):
                 private = any((root / layer / folder / included).exists() for folder in ("src", "."))
                 if used in LAYERS and used != layer and not private and used not in allowed.split():
                     yield fault(root, path, number, "layer", layer, included, allowed)
+
+
+def posix_faults(root):
+    for layer in LAYERS.keys() - {"fuzz"}:
+        for path in sources(root / layer):
+            if path.relative_to(root).as_posix() in POSIX:
+                continue
+            for number, included in includes(path):
+                if POSIX_HEADER.match(included):
+                    yield f"{path.relative_to(root)}:{number}: includes {included}; POSIX is called in {', '.join(POSIX)} alone"
 
 
 class Rooms:
@@ -160,7 +183,7 @@ def main():
     arguments = parser.parse_args()
     root = Path(__file__).resolve().parent.parent
     rooms = Rooms(root)
-    faults = [*layer_faults(root), *rooms.faults]
+    faults = [*layer_faults(root), *posix_faults(root), *rooms.faults]
     for line in faults:
         print(line, file=sys.stderr)
     if arguments.graph and not rooms.circle():

@@ -7,7 +7,7 @@ import unittest
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 sys.path.insert(0, str(ROOT / "tools"))
-from check_includes import ROOMS, Rooms, layer_faults  # noqa: E402
+from check_includes import POSIX, ROOMS, Rooms, layer_faults, posix_faults  # noqa: E402
 
 
 class CheckIncludes(unittest.TestCase):
@@ -23,13 +23,24 @@ class CheckIncludes(unittest.TestCase):
 
     def test_this_tree_has_no_faults(self):
         rooms = Rooms(ROOT)
-        self.assertEqual([*layer_faults(ROOT), *rooms.faults], [])
+        self.assertEqual([*layer_faults(ROOT), *posix_faults(ROOT), *rooms.faults], [])
         self.assertEqual(len(list(rooms.graph())), len(ROOMS))
 
     def test_a_layer_may_not_include_one_above(self):
         self.write("kernels/src/a.cpp", '#include <consimd/kernels/isa.hpp>\n#include <consimd/solvers/tcf.hpp>\n')
         (fault,) = layer_faults(self.root)
         self.assertTrue(fault.startswith("kernels/src/a.cpp:2: includes consimd/solvers/tcf.hpp"), fault)
+
+    def test_posix_is_called_in_the_listed_sources_alone(self):
+        for header in ("unistd.h", "sys/stat.h", "signal.h"):
+            self.write("solvers/src/call/a.cpp", f"#include <csignal>\n#include <{header}>\n")
+            (fault,) = posix_faults(self.root)
+            self.assertTrue(fault.startswith(f"solvers/src/call/a.cpp:2: includes {header}; POSIX is called in"), fault)
+        self.write("solvers/src/call/a.cpp")
+        for source in POSIX:
+            self.assertTrue((ROOT / source).exists(), f"{source} is listed and not there")
+            self.write(source, "#include <unistd.h>\n")
+        self.assertEqual(list(posix_faults(self.root)), [])
 
     def test_a_folder_of_a_layers_own_may_have_the_name_of_another(self):
         self.write("synth/src/studies/a.hpp")
