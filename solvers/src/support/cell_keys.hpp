@@ -2,7 +2,9 @@
 #pragma once
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <cstddef>
 #include <cstdint>
 
 #include "support/points.hpp"
@@ -17,6 +19,33 @@ inline std::uint64_t cell_key(const Point& p, double edge) {
     return static_cast<std::uint64_t>(std::min(kHalf - 1.0, std::max(-kHalf, std::floor(x / edge))) + kHalf);
   };
   return index(p.x) | index(p.y) << 21U | index(p.z) << 42U;
+}
+
+/// The cells of a lattice that have all points within half their edge of p: first its own, then, along each axis, the
+/// one that it is nearer to. Cells 2^21 from one another share a key, which the distance of their points tells.
+inline std::array<std::uint64_t, 8> cells_about(const Point& p, double cells_per_length) {
+  constexpr std::uint64_t kMask = (1U << 21U) - 1U;
+  constexpr unsigned kBits = 21;
+  const double x[3] = {p.x * cells_per_length, p.y * cells_per_length, p.z * cells_per_length};
+  std::array<std::array<std::uint64_t, 2>, 3> along{};
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    const double floor = std::floor(x[axis]);
+    const auto own = static_cast<std::int64_t>(floor);
+    const std::int64_t beside = x[axis] - floor < 0.5 ? own - 1 : own + 1;
+    along[axis] = {(static_cast<std::uint64_t>(own) & kMask) << kBits * axis,
+                   (static_cast<std::uint64_t>(beside) & kMask) << kBits * axis};
+  }
+  std::array<std::uint64_t, 8> keys{};
+  for (std::size_t corner = 0; corner < keys.size(); ++corner) {
+    keys[corner] = along[0][corner & 1U] | along[1][corner >> 1U & 1U] | along[2][corner >> 2U];
+  }
+  return keys;
+}
+
+/// A slot of a table of 2^n of them for the key of a cell.
+inline std::size_t slot_of(std::uint64_t key, std::size_t slots) {
+  const std::uint64_t mixed = key * 0x9E3779B97F4A7C15U;  // the upper half of a product depends on all bits
+  return (mixed >> 32U) & (slots - 1);
 }
 
 }  // namespace consimd::detail

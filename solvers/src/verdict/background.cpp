@@ -4,11 +4,13 @@
 #include <cmath>
 #include <cstdint>
 #include <utility>
+#include <vector>
 
 #include "support/repeated_points.hpp"
 #include "verdict/false_poses.hpp"
 #include "verdict/kept_structure.hpp"
 #include "verdict/pairing_chances.hpp"
+#include "verdict/reached_targets.hpp"
 
 namespace consimd::detail {
 namespace {
@@ -24,6 +26,13 @@ constexpr std::uint32_t kStratumPairs = 1024;
 constexpr double kNoStructure = 1e-3;
 constexpr double kNoStructureOfFew = 0.05;
 constexpr double kFewHits = 8.0;
+// Targets that a moved source reaches, up to which they are found in cells rather than among each stratum's rows:
+// twenty of them take as long as those.
+constexpr double kLittle = 16.0;
+
+bool same(const WorkingPose& a, const WorkingPose& b) {
+  return std::ranges::equal(a.rotation, b.rotation) && std::ranges::equal(a.translation, b.translation);
+}
 
 // The chance that hits among trials tell of, or that of random pairing where they do not differ from it.
 double structured(double at_random, double hits, double trials) {
@@ -53,6 +62,13 @@ const Background::Structure& Background::structure() const {
 }
 
 double Background::log_false_poses(const WorkingPose& pose) const {
+  const auto told = std::ranges::find_if(told_, [&](const Told& former) { return same(former.pose, pose); });
+  if (told != told_.end()) return told->log_false_poses;
+  told_.push_back({pose, measured(pose)});
+  return told_.back().log_false_poses;
+}
+
+double Background::measured(const WorkingPose& pose) const {
   const CorrespondenceView view = correspondences_->view();
   const auto size = static_cast<double>(view.size());
   const double radius = coherence_.length(pose, kLeastRadius, kLargestRadius) * noise_bound_;
@@ -73,9 +89,13 @@ double Background::log_false_poses(const WorkingPose& pose) const {
   if (most >= 0.0) return most;
   const Structure& all = structure();
   look(all.lookalikes.support(pose, reach, matched), all.lookalike_lengths);
+  if (most >= 0.0) return most;
+  const bool reaches_little = at_random.support.front() * size < kLittle;
+  const std::vector<ReachedTarget> reached =
+      reaches_little ? reached_targets(view, pose, reach) : std::vector<ReachedTarget>{};
   for (const auto& [strata, lengths] : all.kept) {
+    look(reaches_little ? strata.support(reached, reach, matched) : strata.support(pose, reach, matched), lengths);
     if (most >= 0.0) break;
-    look(strata.support(pose, reach, matched), lengths);
   }
   return most;
 }

@@ -13,8 +13,8 @@
 
 namespace consimd::detail {
 
-/// Measured once, for any number of poses, and structure only when a pose is first supported by more than random
-/// pairing explains. Not for several threads at a time.
+/// Measured once, for any number of poses, each of which is looked at once; and structure only when a pose is first
+/// supported by more than random pairing explains. Not for several threads at a time.
 class Background {
  public:
   /// `noise_bound`: caller's unit. Keeps a pointer to the correspondences.
@@ -35,12 +35,18 @@ class Background {
     Lookalikes lookalikes;
     PairingHits lookalike_lengths;
   };
+  struct Told {
+    WorkingPose pose;
+    double log_false_poses;
+  };
   [[nodiscard]] const Structure& structure() const;
+  [[nodiscard]] double measured(const WorkingPose& pose) const;
 
   const Correspondences* correspondences_;
   double noise_bound_;
   Coherence coherence_;
   mutable std::optional<Structure> structure_;
+  mutable std::vector<Told> told_;  // a registration comes back to the same few poses
 };
 
 }  // namespace consimd::detail

@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "sampling/counter_random.hpp"
+#include "support/point_cells.hpp"
 #include "support/points.hpp"
 #include "support/pose_candidate.hpp"
 
@@ -36,27 +37,21 @@ Coherence::Coherence(const CorrespondenceView& view, double noise_bound) : view_
   const auto size = static_cast<std::uint32_t>(view.size());
   const double reach = static_cast<double>(kSteps) * kStep * unit;
   const auto limit = static_cast<float>(reach * reach);
-  std::vector<float> squared(size);
-  const float* x = view.source(0);
-  const float* y = view.source(1);
-  const float* z = view.source(2);
+  const PointCells sources(size, reach, [&](std::uint32_t row) { return source_point(view, row); });
   const std::uint32_t looked_at = std::min(kLookedAt, size);
   for (std::uint32_t l = 0; l < looked_at && pairs_.size() < kEnoughPairs; ++l) {
     // Rows spread by the golden ratio: however few are looked at, they are from all over.
     const auto row = static_cast<std::uint32_t>(((l * 0x9E3779B97F4A7C15U) >> 32U) * size >> 32U);
     const Point p = source_point(view, row);
     const Point q = target_point(view, row);
-    for (std::uint32_t other = 0; other < size; ++other) {
-      squared[other] = (x[other] - p.x) * (x[other] - p.x) + (y[other] - p.y) * (y[other] - p.y) +
-                       (z[other] - p.z) * (z[other] - p.z);
-    }
-    for (std::uint32_t other = 0; other < size; ++other) {
-      if (squared[other] >= limit || squared[other] == 0.0F) continue;
-      const double apart = std::sqrt(static_cast<double>(squared[other])) / unit;
+    if (std::isnan(p.x)) continue;  // a far row
+    sources.visit(p, limit, [&](std::uint32_t other, float squared) {
+      if (squared == 0.0F) return;
+      const double apart = std::sqrt(static_cast<double>(squared)) / unit;
       const auto step = std::min(static_cast<std::size_t>(apart / kStep), kSteps - 1);
       const bool agrees = std::abs(distance(q, target_point(view, other)) / unit - apart) < kAgreeing;
       pairs_.push_back({row, other, static_cast<std::uint8_t>(step), agrees});
-    }
+    });
   }
   for (std::uint32_t k = 0; k < kRandomPairs && size > 0; ++k) {
     CounterRandom random(kFixedSeed, RandomStage::pairing, k);

@@ -177,20 +177,20 @@ class Halving {
       upper_[orders_[widest][position]] = position >= half ? 1 : 0;
     }
     // The orders along the other axes stay orders in each half.
-    scratch_.resize(end - half);
+    scratch_.resize(end - half + 1);
     for (std::size_t a = 0; a < axes_.size(); ++a) {
       if (a == widest) continue;
       std::size_t low = begin;
       std::size_t high = 0;
       for (std::size_t position = begin; position < end; ++position) {
+        // Written to both, kept in one: no branch could be foretold.
         const std::uint32_t i = orders_[a][position];
-        if (upper_[i] != 0) {
-          scratch_[high++] = i;
-        } else {
-          orders_[a][low++] = i;
-        }
+        scratch_[high] = i;
+        orders_[a][low] = i;
+        high += upper_[i];
+        low += 1U - upper_[i];
       }
-      std::ranges::copy(scratch_, orders_[a].begin() + static_cast<std::ptrdiff_t>(half));
+      std::copy_n(scratch_.begin(), end - half, orders_[a].begin() + static_cast<std::ptrdiff_t>(half));
     }
     split(begin, half);
     split(half, end);

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cstddef>
+#include <span>
 #include <utility>
 
 #include "sampling/counter_random.hpp"
@@ -23,6 +24,13 @@ constexpr std::size_t kRows = 4;
 // Draws are the same whatever the caller's seed is: a pose has one significance.
 constexpr std::uint64_t kFixedSeed = 0;
 
+// Among few, in order or not, those that are looked at one by one are found sooner.
+constexpr std::size_t kOneByOne = 8;
+bool contains(std::span<const std::uint32_t> ascending, std::uint32_t value) {
+  return ascending.size() <= kOneByOne ? std::ranges::find(ascending, value) != ascending.end()
+                                       : std::ranges::binary_search(ascending, value);
+}
+
 // The points of one cloud, place by place.
 class Places {
  public:
@@ -39,15 +47,25 @@ class Places {
     first_.push_back(static_cast<std::uint32_t>(size));
   }
 
+  [[nodiscard]] std::size_t size() const { return first_.size() - 1; }
   [[nodiscard]] std::uint32_t place(std::uint32_t row) const { return place_[row]; }
   [[nodiscard]] std::size_t rows(std::uint32_t place) const { return first_[place + 1] - first_[place]; }
+
+  // Rows before those at a place.
+  [[nodiscard]] std::size_t before(std::uint32_t place) const { return first_[place]; }
+  [[nodiscard]] std::span<const std::uint32_t> at(std::uint32_t place) const {
+    return std::span(rows_).subspan(first_[place], rows(place));
+  }
 
   // The k-th of up to `most` rows at a place, from all over them.
   template <typename Visit>
   void visit(std::uint32_t place, std::size_t most, const Visit& visit) const {
     const std::size_t begin = first_[place];
     const std::size_t count = std::min(rows(place), most);
-    for (std::size_t k = 0; k < count; ++k) visit(rows_[begin + k * rows(place) / count]);
+    const bool all = rows(place) <= most;  // a division takes longer than the rest
+    for (std::size_t k = 0; k < count; ++k) {
+      visit(rows_[begin + (all ? k : k * rows(place) / count)]);
+    }
   }
 
  private:
@@ -64,19 +82,25 @@ Lookalikes::Lookalikes(const CorrespondenceView& view, double noise_bound, doubl
   const double edge = kPlace * noise_bound * view.scale();
   const Places sources(size, edge, [&](std::size_t row) { return source_point(view, row); });
   const Places targets(size, edge, [&](std::size_t row) { return target_point(view, row); });
-  using Pair = std::pair<std::uint32_t, std::uint32_t>;
-  std::vector<Pair> matched(size);
-  for (std::uint32_t row = 0; row < size; ++row) matched[row] = {sources.place(row), targets.place(row)};
-  std::ranges::sort(matched);
+  // Places of the target that the rows at a place of the source were matched with, place by place.
+  std::vector<std::uint32_t> matched(size);
+  const auto matched_at = [&](std::uint32_t place) {
+    return std::span(matched).subspan(sources.before(place), sources.rows(place));
+  };
+  for (std::uint32_t place = 0; place < sources.size(); ++place) {
+    const std::span<std::uint32_t> here = matched_at(place);
+    std::ranges::transform(sources.at(place), here.begin(), [&](std::uint32_t row) { return targets.place(row); });
+    std::ranges::sort(here);
+  }
   const auto limit = static_cast<float>(apart * view.scale() * apart * view.scale());
   for (std::uint32_t row = 0; row < size; ++row) {
     end_[row] = static_cast<std::uint32_t>(mates_.size());
-    const std::uint32_t own = sources.place(row);
+    const std::span<const std::uint32_t> own = matched_at(sources.place(row));
     if (targets.rows(targets.place(row)) < kLeastRows) continue;
     targets.visit(targets.place(row), kSources, [&](std::uint32_t like) {
       if (!(squared_distance(source_point(view, row), source_point(view, like)) >= limit)) return;
       sources.visit(sources.place(like), kRows, [&](std::uint32_t mate) {
-        if (std::ranges::binary_search(matched, Pair{own, targets.place(mate)})) return;
+        if (contains(own, targets.place(mate))) return;
         mates_.push_back(mate);
       });
     });

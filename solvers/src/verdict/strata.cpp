@@ -64,6 +64,8 @@ Strata::Strata(const CorrespondenceView& view, std::vector<std::uint32_t> rows, 
       targets_[axis][position] = view.target(axis)[rows_[position]];
     }
   }
+  position_.resize(view.size());
+  for (std::uint32_t position = 0; position < rows_.size(); ++position) position_[rows_[position]] = position;
   stratum_of_.reserve(rows_.size());
   for (std::uint32_t s = 0; s + 1 < first_.size(); ++s) {
     stratum_of_.insert(stratum_of_.end(), first_[s + 1] - first_[s], s);
@@ -79,25 +81,21 @@ Strata::Strata(const CorrespondenceView& view, std::vector<std::uint32_t> rows, 
 std::uint32_t Strata::mates(std::uint32_t position) const {
   const std::uint32_t begin = first_[stratum_of_[position]];
   const std::uint32_t size = first_[stratum_of_[position] + 1] - begin;
-  const Point p{sources_[0][position], sources_[1][position], sources_[2][position]};
+  const Point p = source(position);
   std::array<float, kStratumRows> squared{};
   const std::uint32_t near = closer(&sources_[0][begin], &sources_[1][begin], &sources_[2][begin], p, apart_, squared);
   return (~std::uint32_t{0} >> (kStratumRows - size)) & ~near;
 }
 
 PairingHits Strata::support(const WorkingPose& pose, double bound, const MatchedPoints& matched) const {
-  const auto limit = static_cast<float>(bound * view_.scale() * bound * view_.scale());
-  std::array<float, kTestedBounds.size()> limits{};
-  for (std::size_t b = 0; b < limits.size(); ++b) {
-    limits[b] = static_cast<float>(kTestedBounds[b] * kTestedBounds[b]) * limit;
-  }
+  const Limits limits = this->limits(bound);
   PairingHits result;
-  result.trials = trials_;
   std::array<float, kStratumRows> squared{};
   for (std::uint32_t position = 0; position < rows_.size(); ++position) {
     const std::size_t begin = first_[stratum_of_[position]];
     const Point p = moved(pose, source_point(view_, rows_[position]));
-    std::uint32_t reached = closer(&targets_[0][begin], &targets_[1][begin], &targets_[2][begin], p, limit, squared);
+    std::uint32_t reached =
+        closer(&targets_[0][begin], &targets_[1][begin], &targets_[2][begin], p, limits.front(), squared);
     if (reached == 0) continue;
     const std::uint32_t mates = this->mates(position);
     reached &= mates;
@@ -106,12 +104,45 @@ PairingHits Strata::support(const WorkingPose& pose, double bound, const Matched
     for (; reached != 0; reached &= reached - 1) {
       const auto j = static_cast<std::size_t>(std::countr_zero(reached));
       if (matched.contains(view_, rows_[position], rows_[begin + j])) continue;
-      const float residual = squared[j];
-      for (std::size_t b = 0; b < limits.size(); ++b) result.hits[b] += residual < limits[b] ? share : 0.0;
+      add(result, share, squared[j], limits);
     }
   }
-  for (double& hits : result.hits) hits *= result.trials / static_cast<double>(std::max<std::size_t>(rows_.size(), 1));
+  return mean(result);
+}
+
+PairingHits Strata::support(std::span<const ReachedTarget> reached, double bound, const MatchedPoints& matched) const {
+  const Limits limits = this->limits(bound);
+  PairingHits result;
+  for (const auto& [source_row, target_row, squared] : reached) {
+    const std::uint32_t position = position_[source_row];
+    const std::uint32_t stratum = stratum_of_[position];
+    const std::uint32_t other = position_[target_row];
+    if (stratum_of_[other] != stratum || squared_distance(source(position), source(other)) < apart_ ||
+        matched.contains(view_, source_row, target_row)) {
+      continue;
+    }
+    add(result, 1.0 / std::popcount(mates(position)), squared, limits);
+  }
+  return mean(result);
+}
+
+Strata::Limits Strata::limits(double bound) const {
+  const auto limit = static_cast<float>(bound * view_.scale() * bound * view_.scale());
+  Limits result{};
+  for (std::size_t b = 0; b < result.size(); ++b) {
+    result[b] = static_cast<float>(kTestedBounds[b] * kTestedBounds[b]) * limit;
+  }
   return result;
+}
+
+void Strata::add(PairingHits& hits, double share, float squared, const Limits& limits) {
+  for (std::size_t b = 0; b < limits.size(); ++b) hits.hits[b] += squared < limits[b] ? share : 0.0;
+}
+
+PairingHits Strata::mean(PairingHits hits) const {
+  hits.trials = trials_;
+  for (double& at_bound : hits.hits) at_bound *= trials_ / static_cast<double>(std::max<std::size_t>(rows_.size(), 1));
+  return hits;
 }
 
 PairingHits Strata::lengths(double bound, std::uint32_t pairs) const {

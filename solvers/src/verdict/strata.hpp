@@ -4,12 +4,15 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include <consimd/kernels/correspondences.hpp>
 #include <consimd/kernels/kernel_data.hpp>
 
+#include "support/points.hpp"
 #include "support/repeated_points.hpp"
+#include "verdict/reached_targets.hpp"
 
 namespace consimd::detail {
 
@@ -43,11 +46,24 @@ class Strata {
   /// caller's unit.
   [[nodiscard]] PairingHits support(const WorkingPose& pose, double bound, const MatchedPoints& matched) const;
 
+  /// The same from all that the pose reaches, faster where that is little. Of strata that have all rows.
+  [[nodiscard]] PairingHits support(std::span<const ReachedTarget> reached, double bound,
+                                    const MatchedPoints& matched) const;
+
   /// How often two correspondences whose targets are exchanged for others of their strata agree in length, to within
   /// twice the tested bounds. The same pairs are drawn in every call.
   [[nodiscard]] PairingHits lengths(double bound, std::uint32_t pairs) const;
 
  private:
+  using Limits = std::array<float, kTestedBounds.size()>;  // squared residuals, working frame
+  [[nodiscard]] Limits limits(double bound) const;
+  // Adds a hit, of a share of its row, at the bounds that it is within.
+  static void add(PairingHits& hits, double share, float squared, const Limits& limits);
+  // The hits as their mean share in all trials.
+  [[nodiscard]] PairingHits mean(PairingHits hits) const;
+  [[nodiscard]] Point source(std::uint32_t position) const {
+    return {sources_[0][position], sources_[1][position], sources_[2][position]};
+  }
   // Bits of the rows of its stratum that the row at a position is tested with.
   [[nodiscard]] std::uint32_t mates(std::uint32_t position) const;
 
@@ -55,6 +71,7 @@ class Strata {
   std::vector<std::uint32_t> rows_;        // stratum by stratum
   std::vector<std::uint32_t> first_;       // position in rows_ of a stratum's first; one more: the end
   std::vector<std::uint32_t> stratum_of_;  // by position
+  std::vector<std::uint32_t> position_;    // in rows_, by row
   // By position, coordinate by coordinate; a stratum more at the end.
   std::array<std::vector<float>, 3> sources_;
   std::array<std::vector<float>, 3> targets_;

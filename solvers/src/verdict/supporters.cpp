@@ -1,12 +1,14 @@
 #include "verdict/supporters.hpp"
 
 #include <algorithm>
+#include <array>
 #include <bit>
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <vector>
 
+#include "support/cell_keys.hpp"
 #include "support/points.hpp"
 #include "support/row_blocks.hpp"
 
@@ -32,27 +34,17 @@ class CountedPoints {
 
   // The bounds, of `bounds`, at which no counted point is within the radius of `p`: it counts there from now on.
   BoundMask count(const Point& p, BoundMask bounds) {
-    const double x[3] = {p.x * cells_per_length_, p.y * cells_per_length_, p.z * cells_per_length_};
-    std::int64_t cell[3];
-    std::int64_t beside[3];
-    for (std::size_t c = 0; c < 3; ++c) {
-      const double floor = std::floor(x[c]);
-      cell[c] = static_cast<std::int64_t>(floor);
-      beside[c] = x[c] - floor < 0.5 ? cell[c] - 1 : cell[c] + 1;
-    }
+    const std::array<std::uint64_t, 8> cells = cells_about(p, cells_per_length_);
     BoundMask free = bounds;
-    for (unsigned corner = 0; corner < 8 && free != 0; ++corner) {
-      const std::size_t slot =
-          slot_of((corner & 1U) != 0 ? beside[0] : cell[0], (corner & 2U) != 0 ? beside[1] : cell[1],
-                  (corner & 4U) != 0 ? beside[2] : cell[2]);
-      for (std::uint32_t k = first_[slot]; k != kNone; k = points_[k].next) {
+    for (std::size_t c = 0; c < cells.size() && free != 0; ++c) {
+      for (std::uint32_t k = first_[slot_of(cells[c], first_.size())]; k != kNone; k = points_[k].next) {
         if ((points_[k].bounds & free) != 0 && squared_distance(p, points_[k].point) < limit_) {
           free = static_cast<BoundMask>(free & ~points_[k].bounds);
         }
       }
     }
     if (free != 0) {
-      std::uint32_t& first = first_[slot_of(cell[0], cell[1], cell[2])];
+      std::uint32_t& first = first_[slot_of(cells.front(), first_.size())];
       points_.push_back({p, first, free});
       first = static_cast<std::uint32_t>(points_.size() - 1);
     }
@@ -72,14 +64,6 @@ class CountedPoints {
     std::uint32_t next;
     BoundMask bounds;
   };
-
-  [[nodiscard]] std::size_t slot_of(std::int64_t x, std::int64_t y, std::int64_t z) const {
-    // Odd multipliers whose bits look random; the upper half of a product depends on all of them.
-    const std::uint64_t mixed = (static_cast<std::uint64_t>(x) * 0x9E3779B97F4A7C15U) ^
-                                (static_cast<std::uint64_t>(y) * 0xC2B2AE3D27D4EB4FU) ^
-                                (static_cast<std::uint64_t>(z) * 0x165667B19E3779F9U);
-    return (mixed ^ (mixed >> 32U)) & (first_.size() - 1);
-  }
 
   double limit_;
   double cells_per_length_;
