@@ -43,32 +43,48 @@ double structured(double at_random, double hits, double trials) {
 
 }  // namespace
 
-Background::Background(const Correspondences& correspondences, double noise_bound)
-    : correspondences_(&correspondences), noise_bound_(noise_bound), coherence_(correspondences.view(), noise_bound) {}
+Background::Background(const Correspondences& correspondences, double noise_bound,
+                       std::shared_ptr<const KeptStructure> kept)
+    : correspondences_(&correspondences),
+      noise_bound_(noise_bound),
+      coherence_(correspondences.view(), noise_bound),
+      kept_(kept ? std::move(kept) : std::make_shared<const KeptStructure>(correspondences)),
+      kinds_(kept_->kinds()) {}
 
-const Background::Structure& Background::structure() const {
-  if (!structure_) {
-    const double apart = kNearMisses * noise_bound_;
-    std::vector<Kept> kept;
-    for (Strata& strata : kept_strata(*correspondences_, apart)) {
-      const PairingHits lengths = strata.lengths(noise_bound_, kStratumPairs);
-      kept.push_back({std::move(strata), lengths});
-    }
-    Lookalikes lookalikes(correspondences_->view(), noise_bound_, apart);
+const Background::Alike& Background::lookalikes() const {
+  if (!lookalikes_) {
+    Lookalikes lookalikes(correspondences_->view(), noise_bound_, kNearMisses * noise_bound_);
     const PairingHits lengths = lookalikes.lengths(noise_bound_, kStratumPairs);
-    structure_ = Structure{std::move(kept), std::move(lookalikes), lengths};
+    lookalikes_ = Alike{std::move(lookalikes), lengths};
   }
-  return *structure_;
+  return *lookalikes_;
 }
 
-double Background::log_false_poses(const WorkingPose& pose) const {
+const std::vector<Background::Kept>& Background::kind(std::size_t k) const {
+  std::vector<Kept>& result = kinds_[k];
+  if (result.empty()) {
+    for (Strata& strata : kept_->strata(k, kNearMisses * noise_bound_)) {
+      const PairingHits lengths = strata.lengths(noise_bound_, kStratumPairs);
+      result.push_back({std::move(strata), lengths});
+    }
+  }
+  return result;
+}
+
+double Background::log_false_poses(const WorkingPose& pose, double enough) const {
   const auto told = std::ranges::find_if(told_, [&](const Told& former) { return same(former.pose, pose); });
-  if (told != told_.end()) return told->log_false_poses;
-  told_.push_back({pose, measured(pose)});
-  return told_.back().log_false_poses;
+  if (told != told_.end() && (told->is_all || told->log_false_poses >= enough)) return told->log_false_poses;
+  const double measured = this->measured(pose, enough);
+  const Told news{pose, measured, measured < enough};
+  if (told != told_.end()) {
+    *told = news;
+  } else {
+    told_.push_back(news);
+  }
+  return measured;
 }
 
-double Background::measured(const WorkingPose& pose) const {
+double Background::measured(const WorkingPose& pose, double enough) const {
   const CorrespondenceView view = correspondences_->view();
   const auto size = static_cast<double>(view.size());
   const double radius = coherence_.length(pose, kLeastRadius, kLargestRadius) * noise_bound_;
@@ -86,16 +102,17 @@ double Background::measured(const WorkingPose& pose) const {
     }
     most = std::max(most, detail::log_false_poses(size, found, chances));
   };
-  if (most >= 0.0) return most;
-  const Structure& all = structure();
-  look(all.lookalikes.support(pose, reach, matched), all.lookalike_lengths);
-  if (most >= 0.0) return most;
+  if (most >= enough) return most;
+  look(lookalikes().lookalikes.support(pose, reach, matched), lookalikes().lengths);
+  if (most >= enough) return most;
   const bool reaches_little = at_random.support.front() * size < kLittle;
   const std::vector<ReachedTarget> reached =
       reaches_little ? reached_targets(view, pose, reach) : std::vector<ReachedTarget>{};
-  for (const auto& [strata, lengths] : all.kept) {
-    look(reaches_little ? strata.support(reached, reach, matched) : strata.support(pose, reach, matched), lengths);
-    if (most >= 0.0) break;
+  for (std::size_t k = 0; k < kinds_.size(); ++k) {
+    for (const auto& [strata, lengths] : kind(k)) {
+      look(reaches_little ? strata.support(reached, reach, matched) : strata.support(pose, reach, matched), lengths);
+      if (most >= enough) return most;
+    }
   }
   return most;
 }

@@ -8,7 +8,9 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <memory>
 #include <numeric>
+#include <span>
 #include <utility>
 
 #include "support/points.hpp"
@@ -90,12 +92,6 @@ Axis axis_of(std::vector<float> values) {
   axis.values = std::move(values);
   return axis;
 }
-
-// Positions of rows stratum by stratum, and where each of these begins; one more: the end.
-struct Partition {
-  std::vector<std::uint32_t> order;
-  std::vector<std::uint32_t> first;
-};
 
 // Into how many slabs each of the axes is cut, so that cells of about `rows` rows are about as long in all of them.
 std::vector<std::size_t> slabs(std::span<const Axis* const> axes, std::size_t size, std::size_t rows) {
@@ -204,12 +200,30 @@ class Halving {
   std::vector<std::uint32_t> first_;
 };
 
-// Strata by each of `all_kept`, of every `step`-th row. `both_ways`: rows are cut twice where there is more than one
-// way.
-std::vector<Strata> strata_by(const Correspondences& correspondences, std::span<const Kept> all_kept, std::size_t step,
-                              std::size_t largest, bool both_ways, double apart) {
-  const CorrespondenceView view = correspondences.view();
+}  // namespace
+
+// Every `step`-th row, along every coordinate.
+struct KeptStructure::Sorted {
+  Sorted(const Correspondences& correspondences, std::size_t step);
+
+  // Strata of rows that share the coordinates. `both_ways`: rows are cut twice where there is more than one way.
+  [[nodiscard]] std::vector<Partition> partitions(const Kept& kept, std::size_t largest, bool both_ways) const {
+    std::vector<const Axis*> along;
+    for (const Coordinate c : std::span(kept.coordinates).first(kept.count)) along.push_back(&axes[index_of(c)]);
+    std::vector<Partition> result{cut_into_slabs(along, largest)};
+    if (both_ways && kept.count > 1) result.push_back(Halving(along, largest).partition());
+    for (Partition& partition : result) {
+      for (std::uint32_t& i : partition.rows) i = rows[i];
+    }
+    return result;
+  }
+
   std::vector<std::uint32_t> rows;
+  std::array<Axis, kCoordinates> axes;
+};
+
+KeptStructure::Sorted::Sorted(const Correspondences& correspondences, std::size_t step) {
+  const CorrespondenceView view = correspondences.view();
   Eigen::Matrix3d scatter = Eigen::Matrix3d::Zero();
   for (std::size_t k = 0; k < view.size(); k += step) {
     const Point p = source_point(view, k);
@@ -217,44 +231,45 @@ std::vector<Strata> strata_by(const Correspondences& correspondences, std::span<
     scatter += source * source.transpose();
     rows.push_back(static_cast<std::uint32_t>(k));
   }
-  const Eigen::Matrix3d axes = Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(scatter).eigenvectors().transpose();
+  const Eigen::Matrix3d principal = Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(scatter).eigenvectors().transpose();
   const auto& centroid = correspondences.source_centroid();
   const Eigen::Vector3d origin = -view.scale() * Eigen::Vector3d(centroid[0], centroid[1], centroid[2]);
   std::array<std::vector<float>, kCoordinates> coordinates;
   for (const std::uint32_t row : rows) {
     const Point p = source_point(view, row);
     const Eigen::Vector3d source(p.x, p.y, p.z);
-    const Eigen::Vector3d along = axes * source;
+    const Eigen::Vector3d along = principal * source;
     for (std::size_t c = 0; c < 3; ++c) coordinates[c].push_back(static_cast<float>(along[static_cast<long>(c)]));
     coordinates[index_of(Coordinate::range)].push_back(static_cast<float>((source - origin).norm()));
     coordinates[index_of(Coordinate::from_centroid)].push_back(static_cast<float>(source.norm()));
   }
-  std::array<Axis, kCoordinates> sorted;
-  for (std::size_t c = 0; c < kCoordinates; ++c) sorted[c] = axis_of(std::move(coordinates[c]));
+  for (std::size_t c = 0; c < kCoordinates; ++c) axes[c] = axis_of(std::move(coordinates[c]));
+}
+
+KeptStructure::KeptStructure(const Correspondences& correspondences)
+    : correspondences_(&correspondences), partitions_(kKept.size()) {}
+
+std::size_t KeptStructure::kinds() const { return kKept.size(); }
+
+std::vector<Strata> KeptStructure::strata(std::size_t kind, double apart) const {
+  if (!sorted_) sorted_ = std::make_shared<const Sorted>(*correspondences_, 1);
+  std::vector<Partition>& partitions = partitions_[kind];
+  if (partitions.empty()) partitions = sorted_->partitions(kKept[kind], kStratumRows, true);
   std::vector<Strata> result;
-  result.reserve(2 * all_kept.size());
-  const auto add = [&](Partition partition) {
-    for (std::uint32_t& i : partition.order) i = rows[i];
-    result.emplace_back(view, std::move(partition.order), std::move(partition.first), apart);
-  };
-  for (const auto& [shared, count] : all_kept) {
-    std::vector<const Axis*> along;
-    for (const Coordinate c : std::span(shared).first(count)) along.push_back(&sorted[index_of(c)]);
-    add(cut_into_slabs(along, largest));
-    if (both_ways && count > 1) add(Halving(along, largest).partition());
-  }
+  result.reserve(partitions.size());
+  for (const Partition& partition : partitions) result.emplace_back(correspondences_->view(), partition, apart);
   return result;
 }
 
-}  // namespace
-
-std::vector<Strata> kept_strata(const Correspondences& correspondences, double apart) {
-  return strata_by(correspondences, kKept, 1, kStratumRows, true, apart);
-}
-
-std::vector<Strata> sampled_strata(const Correspondences& correspondences, double apart) {
-  return strata_by(correspondences, kTelling, std::max<std::size_t>(1, correspondences.size() / kSampledRows),
-                   kSampledStratumRows, false, apart);
+std::vector<Strata> KeptStructure::sampled(const Correspondences& correspondences, double apart) {
+  const Sorted sorted(correspondences, std::max<std::size_t>(1, correspondences.size() / kSampledRows));
+  std::vector<Strata> result;
+  for (const Kept& kept : kTelling) {
+    for (Partition& partition : sorted.partitions(kept, kSampledStratumRows, false)) {
+      result.emplace_back(correspondences.view(), std::move(partition), apart);
+    }
+  }
+  return result;
 }
 
 }  // namespace consimd::detail

@@ -59,7 +59,8 @@ double second_glance(const Correspondences& correspondences, const WorkingPose& 
   detail::Chances chances = detail::random_chances(view, pose, noise_bound, reach, kGlancePairs, kGlanceShifts,
                                                    detail::RareHits::laplace, matched);
   for (double& chance : chances.length) chance = std::min(1.0, kStrongestLikeness * chance);
-  for (const detail::Strata& strata : detail::sampled_strata(correspondences, detail::kNearMisses * noise_bound)) {
+  for (const detail::Strata& strata :
+       detail::KeptStructure::sampled(correspondences, detail::kNearMisses * noise_bound)) {
     const detail::PairingHits kept = strata.support(pose, reach, matched);
     for (std::size_t b = 0; b < detail::kTestedBounds.size(); ++b) {
       chances.support[b] = std::max(chances.support[b], kSafety * detail::chance(kept.hits[b], kept.trials));

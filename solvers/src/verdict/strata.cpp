@@ -50,11 +50,10 @@ void add_length(PairingHits& hits, const CorrespondenceView& view, std::uint32_t
   }
 }
 
-Strata::Strata(const CorrespondenceView& view, std::vector<std::uint32_t> rows, std::vector<std::uint32_t> first,
-               double apart)
+Strata::Strata(const CorrespondenceView& view, Partition partition, double apart)
     : view_(view),
-      rows_(std::move(rows)),
-      first_(std::move(first)),
+      rows_(std::move(partition.rows)),
+      first_(std::move(partition.first)),
       apart_(static_cast<float>(apart * view.scale() * apart * view.scale())) {
   for (std::size_t axis = 0; axis < 3; ++axis) {
     sources_[axis].resize(rows_.size() + kStratumRows);

@@ -32,14 +32,18 @@ void add_length(PairingHits& hits, const CorrespondenceView& view, std::uint32_t
 
 inline constexpr std::size_t kStratumRows = 32;
 
+/// Rows stratum by stratum, and the position among them of each stratum's first, ascending; one more: their number.
+struct Partition {
+  std::vector<std::uint32_t> rows;
+  std::vector<std::uint32_t> first;
+};
+
 /// Correspondences in strata of sources that have some of their coordinates about equal.
 class Strata {
  public:
-  /// `first`: the position in `rows` of each stratum's first row, ascending, and the number of rows. Strata have at
-  /// most kStratumRows rows. Rows whose sources are closer than `apart` (caller's unit) are no test of each other.
-  /// Keeps the view.
-  Strata(const CorrespondenceView& view, std::vector<std::uint32_t> rows, std::vector<std::uint32_t> first,
-         double apart);
+  /// Strata have at most kStratumRows rows. Rows whose sources are closer than `apart` (caller's unit) are no test of
+  /// each other. Keeps the view.
+  Strata(const CorrespondenceView& view, Partition partition, double apart);
 
   /// How often `pose` takes a source to the target of another row of its stratum, but for those too close. Every row
   /// counts as much, whatever its number of such rows is: the hits are their mean share in all trials. `bound`:
