@@ -5,7 +5,9 @@
 #include <cmath>
 #include <functional>
 #include <limits>
+#include <memory>
 #include <numbers>
+#include <optional>
 #include <utility>
 #include <vector>
 
@@ -13,9 +15,13 @@
 #include <consimd/solvers/significance.hpp>
 
 #include "call/distinct_rows.hpp"
+#include "noise_bound/bound_search.hpp"
 #include "search/consensus_search.hpp"
+#include "support/independent_rows.hpp"
 #include "support/points.hpp"
 #include "support/pose_candidate.hpp"
+#include "verdict/background.hpp"
+#include "verdict/kept_structure.hpp"
 #include "verdict/pose_test.hpp"
 
 namespace consimd {
@@ -30,12 +36,18 @@ constexpr double kResolution = 1e-14;
 // A pose that a fiftieth of the rows supports is met by the seeds in a sample of the rows.
 constexpr std::size_t kSampledRows = 1024;
 constexpr std::size_t kSampleGrowth = 4;
+// Among so many rows no search and no look takes long.
+constexpr std::size_t kFewRows = 1024;
 // The bound is three deviations; measured again until it changes by less than this factor.
 constexpr double kDeviations = 3.0;
 constexpr double kSettledFactor = 1.05;
 constexpr int kMeasurements = 20;
-// Attempts in doubt that are looked at between the bounds as well, and where.
-constexpr std::size_t kLookedAtClosely = 3;
+// A plain look has so much from its few samples: a close one may find less than it by this, in log10 of false poses.
+constexpr double kPlainError = 1.0;
+// Close looks past a significant attempt.
+constexpr std::uint32_t kLooksPast = 3;
+// Attempts that are looked at between the bounds as well, and where.
+constexpr std::size_t kFinerOfFew = 3;
 constexpr std::array kFinerFactors{std::numbers::sqrt2 / 2.0, std::numbers::sqrt2};
 
 // Root mean square distance of the sources from their centroid, caller's unit. Sources further away than kBulk median
@@ -64,7 +76,7 @@ double extent(const Correspondences& correspondences) {
 struct Attempt {
   double bound;
   WorkingPose pose;
-  double log10_false_poses;
+  double log10_false_poses = 0.0;
 };
 
 // Deviation per axis of the residuals of so many supporters about a pose, over that about the pose fitted to them,
@@ -77,18 +89,48 @@ double freedom_factor(double supporters) {
 // log10 by which many bounds raise the number of false poses.
 double penalty() { return std::log10(kBounds); }
 
-// Whether a registration would find the pose significant, beside what its runner-up may reach.
-bool is_significant(const Correspondences& correspondences, const WorkingPose& pose, double bound) {
-  if (significance(correspondences, pose, bound, Scrutiny::glance).log10_false_poses + penalty() <
-      detail::kBeyondDoubt) {
-    return true;
-  }
-  return significance(correspondences, pose, bound).log10_false_poses + penalty() < detail::kSignificantRival;
+// A glance at an attempt; many bounds count.
+double glance(const Correspondences& correspondences, const Attempt& attempt) {
+  return significance(correspondences, attempt.pose, attempt.bound, Scrutiny::glance).log10_false_poses + penalty();
 }
+
+// Close looks at poses. What they are held against is measured once a bound, and rows are cut into strata once.
+class CloseLooks {
+ public:
+  /// Keeps a reference to the correspondences.
+  explicit CloseLooks(const Correspondences& correspondences)
+      : correspondences_(correspondences), kept_(std::make_shared<const detail::KeptStructure>(correspondences)) {}
+
+  /// Where that is not below `enough` there may be more.
+  [[nodiscard]] double log10_false_poses(const WorkingPose& pose, double bound, double enough = 0.0) {
+    auto found = std::ranges::find(backgrounds_, bound, &std::pair<double, detail::Background>::first);
+    if (found == backgrounds_.end()) {
+      backgrounds_.emplace_back(bound, detail::Background(correspondences_, bound, kept_));
+      found = backgrounds_.end() - 1;
+    }
+    return found->second.log_false_poses(pose, enough * std::numbers::ln10) / std::numbers::ln10;
+  }
+
+  [[nodiscard]] bool are_cheap() const { return correspondences_.size() <= kFewRows; }
+
+  /// Whether a registration would find the pose significant, beside what its runner-up may reach.
+  [[nodiscard]] bool is_significant(const WorkingPose& pose, double bound) {
+    const double needed = detail::kSignificantRival - penalty();
+    return glance(correspondences_, {bound, pose}) < detail::kBeyondDoubt ||
+           log10_false_poses(pose, bound, needed) < needed;
+  }
+
+ private:
+  const Correspondences& correspondences_;
+  std::shared_ptr<const detail::KeptStructure> kept_;
+  std::vector<std::pair<double, detail::Background>> backgrounds_;
+};
+
+bool are_alike(double bound, double other) { return bound < other * kSettledFactor && other < bound * kSettledFactor; }
 
 // Three times the scale of the residuals around the pose, from the bound that it was found with. Where the pose is
 // significant with that and is not with what is measured, of what lies between the first that will do.
-double measured_bound(const Correspondences& correspondences, const Attempt& attempt) {
+double measured_bound(const Correspondences& correspondences, CloseLooks& looks, const Attempt& attempt) {
   WorkingPose pose = attempt.pose;
   double bound = attempt.bound;
   for (int m = 0; m < kMeasurements; ++m) {
@@ -97,14 +139,13 @@ double measured_bound(const Correspondences& correspondences, const Attempt& att
     pose = to_working_pose(refined.fit.pose);
     const double former = bound;
     bound = std::max(kDeviations * refined.sigma * freedom_factor(refined.inliers), correspondences.resolution());
-    if (bound < former * kSettledFactor && former < bound * kSettledFactor) break;
+    if (are_alike(bound, former)) break;
   }
-  if (is_significant(correspondences, pose, bound) || !is_significant(correspondences, attempt.pose, attempt.bound)) {
+  if (looks.is_significant(pose, bound) || !looks.is_significant(attempt.pose, attempt.bound)) {
     return bound;
   }
   // The pose of the attempt is the better one where few rows make the weights of a fit extreme.
-  while (bound < attempt.bound && !is_significant(correspondences, pose, bound) &&
-         !is_significant(correspondences, attempt.pose, bound)) {
+  while (bound < attempt.bound && !looks.is_significant(pose, bound) && !looks.is_significant(attempt.pose, bound)) {
     bound *= kFinerFactors.back();
   }
   return std::min(bound, attempt.bound);
@@ -113,78 +154,208 @@ double measured_bound(const Correspondences& correspondences, const Attempt& att
 // What a search takes upon itself.
 struct Effort {
   std::uint32_t seeds;
-  // Bounds tried below the most significant one before it is believed to be that. What matchers keep, which pairing at
-  // random knows nothing of, may be more significant at larger bounds.
-  std::uint32_t bounds_past = kBounds;
+  // Bounds tried past the most significant one before it is believed to be that, if a glance leaves no doubt, or in
+  // doubt too: what matchers keep, which pairing at random knows nothing of, may be more significant at other bounds.
+  std::uint32_t bounds_past;
+  bool stops_in_doubt = false;
+  std::size_t glances = 3;   // at the most significant attempts: what a glance finds of one may be too little
+  bool independent = false;  // among rows that tell of different places, where that are clearly fewer than all
   bool exhaustive = false;
 };
-constexpr Effort kOnSample{256, 3};
-constexpr Effort kOnAll{1024};
+constexpr Effort kOnSample{.seeds = 256, .bounds_past = 2, .stops_in_doubt = true};
+constexpr Effort kOnAll{.seeds = 1024, .bounds_past = 2};
+constexpr Effort kOnFew{.seeds = 1024, .bounds_past = kBounds, .glances = 1};
+constexpr Effort kOnIndependent{.seeds = 1024, .bounds_past = kBounds, .independent = true};
 // As much as a registration that finds nothing at first.
-constexpr Effort kLast{detail::ConsensusSearchOptions{}.max_seeds, kBounds, true};
+constexpr Effort kLast{
+    .seeds = detail::ConsensusSearchOptions{}.max_seeds, .bounds_past = 1, .stops_in_doubt = true, .exhaustive = true};
+constexpr Effort kLastOfFew{.seeds = kLast.seeds, .bounds_past = kBounds, .glances = 1, .exhaustive = true};
 
-// The best pose and its runner-up at bounds from the largest on, each half of the last. Every search has the poses of
-// the last one at hand.
-std::vector<Attempt> attempts(const Correspondences& correspondences, double largest_bound, std::uint64_t seed,
-                              const Effort& effort) {
-  std::vector<Attempt> result;
-  std::vector<WorkingPose> known;
+// What searches among all rows, each if the former has found nothing, take upon themselves.
+std::vector<Effort> efforts(std::size_t rows) {
+  if (rows <= kFewRows) return {kOnFew, kLastOfFew};
+  return {kOnAll, kOnIndependent, kLast};
+}
+
+// Of equally significant attempts that at the smaller bound is the better one.
+std::pair<double, double> rank(const Attempt& attempt) { return {attempt.log10_false_poses, attempt.bound}; }
+
+// The attempts of a search, at some of the bounds.
+class Search {
+ public:
+  /// Keeps a reference to the correspondences.
+  Search(const Correspondences& correspondences, double largest_bound, std::uint64_t seed, const Effort& effort)
+      : correspondences_(correspondences), seed_(seed), effort_(effort) {
+    run(largest_bound);
+  }
+
+  /// The best pose and its runner-up at each bound, with the value of a plain look.
+  [[nodiscard]] const std::vector<Attempt>& tried() const { return tried_; }
+  /// One that a glance leaves no doubt of, with the value of that.
+  [[nodiscard]] const std::optional<Attempt>& beyond_doubt() const { return beyond_doubt_; }
+
+ private:
+  void run(double largest_bound);
+  double try_bound(const Correspondences& searched, double bound);
+  void glance_at_best();
+
+  const Correspondences& correspondences_;
+  std::uint64_t seed_;
+  Effort effort_;
+  std::vector<WorkingPose> known_;  // the poses at the last bound
+  std::vector<Attempt> tried_;
+  std::optional<Attempt> beyond_doubt_;
+};
+
+// From the largest bound on, each half of the last; from the smallest on where the time of an exhaustive search
+// matters, which grows with the bound.
+void Search::run(double largest_bound) {
   double least = detail::kSignificant;
   std::uint32_t since_least = 0;
-  double bound = largest_bound;
-  for (std::uint32_t b = 0; b < kBounds && since_least < effort.bounds_past; ++b, bound /= 2.0) {
-    detail::ConsensusSearch search(correspondences,
-                                   {.noise_bound = bound, .seed = seed, .max_seeds = effort.seeds, .settles = false});
-    for (const WorkingPose& pose : known) search.offer(pose);
-    search.run(effort.exhaustive);
-    known.clear();
+  bool looked = false;
+  const bool upwards = effort_.exhaustive && effort_.stops_in_doubt;
+  for (std::uint32_t b = 0; b < kBounds; ++b) {
+    const double bound = std::ldexp(largest_bound, -static_cast<int>(upwards ? kBounds - 1 - b : b));
     double least_here = 0.0;
-    for (const detail::PoseCandidate* found : {&search.poses().best(), &search.poses().runner_up()}) {
-      if (found->support.count < 3) continue;
-      known.push_back(found->pose);
-      const double plain = significance(correspondences, found->pose, bound, Scrutiny::plain).log10_false_poses;
-      result.push_back({bound, found->pose, plain});
-      least_here = std::min(least_here, plain);
+    if (effort_.independent) {
+      const std::vector<std::uint32_t> rows = detail::rows_for_another_search(correspondences_.view(), bound);
+      if (!rows.empty()) least_here = try_bound(correspondences_.subset(rows), bound);
+    } else {
+      least_here = try_bound(correspondences_, bound);
+      if (known_.empty() && !upwards) break;
     }
-    if (known.empty()) break;
     if (least_here < least) {
       least = least_here;
       since_least = 0;
-    } else if (least < detail::kSignificant) {
-      ++since_least;
+      looked = false;
+    } else if (least < detail::kSignificant && ++since_least == effort_.bounds_past) {
+      glance_at_best();
+      looked = true;
+      if (beyond_doubt_ || effort_.stops_in_doubt) return;
+    }
+  }
+  if (!looked) glance_at_best();
+}
+
+// Searches with the poses of the last bound at hand; log10 of the least number of false poses found.
+double Search::try_bound(const Correspondences& searched, double bound) {
+  detail::ConsensusSearch search(searched,
+                                 {.noise_bound = bound, .seed = seed_, .max_seeds = effort_.seeds, .settles = false});
+  for (const WorkingPose& pose : known_) search.offer(pose);
+  search.run(effort_.exhaustive);
+  known_.clear();
+  double least = 0.0;
+  for (const detail::PoseCandidate* found : {&search.poses().best(), &search.poses().runner_up()}) {
+    if (found->support.count < 3) continue;
+    known_.push_back(found->pose);
+    const double plain = significance(correspondences_, found->pose, bound, Scrutiny::plain).log10_false_poses;
+    tried_.push_back({bound, found->pose, plain});
+    least = std::min(least, plain);
+  }
+  return least;
+}
+
+void Search::glance_at_best() {
+  std::vector<Attempt> best = tried_;
+  std::ranges::stable_sort(best, {}, rank);
+  best.resize(std::min(best.size(), effort_.glances));
+  for (Attempt& attempt : best) {
+    if (attempt.log10_false_poses >= detail::kSignificant) return;
+    attempt.log10_false_poses = glance(correspondences_, attempt);
+    if (attempt.log10_false_poses >= detail::kBeyondDoubt) continue;
+    beyond_doubt_ = attempt;
+    return;
+  }
+}
+
+// The pose of an attempt at another bound, held against random pairing alone.
+Attempt brought_to(const Correspondences& correspondences, const Attempt& attempt, double bound) {
+  const detail::PoseCandidate start = detail::scored(correspondences.view(), attempt.pose, bound);
+  const detail::PoseCandidate best = detail::widely_optimise(correspondences, start, bound);
+  return {bound, best.pose, significance(correspondences, best.pose, bound, Scrutiny::plain).log10_false_poses};
+}
+
+// Attempts that are looked at closely, the most significant one first, of equal ones that at the larger bound.
+// Structure makes no pose more significant, so that most attempts among many rows are out of the question without a
+// close look if they are to be more so than `least`; among few a plain look is no better than its samples.
+std::vector<Attempt> looked_at(CloseLooks& looks, std::vector<Attempt> tried, double least) {
+  std::ranges::stable_sort(tried, {}, &Attempt::log10_false_poses);
+  const bool few = looks.are_cheap();
+  std::uint32_t since_least = 0;
+  std::size_t looked = 0;
+  for (; looked < tried.size(); ++looked) {
+    Attempt& attempt = tried[looked];
+    const double possible = attempt.log10_false_poses - kPlainError;
+    const bool is_enough = possible >= std::min(least, detail::kSignificant - penalty()) ||
+                           (since_least == kLooksPast && least + penalty() < detail::kSignificant);
+    if (is_enough && !few) break;
+    attempt.log10_false_poses = looks.log10_false_poses(attempt.pose, attempt.bound, few ? 0.0 : least);
+    since_least = attempt.log10_false_poses < least ? 0 : since_least + 1;
+    least = std::min(least, attempt.log10_false_poses);
+  }
+  tried.resize(looked);
+  std::ranges::stable_sort(tried, {}, [](const Attempt& a) { return std::pair(a.log10_false_poses, -a.bound); });
+  return tried;
+}
+
+// The attempts brought into place, and between their bounds. Two attempts at a bound and its half are alike between
+// these: of those the one stays that random pairing gives less often.
+std::vector<Attempt> with_finer_bounds(const Correspondences& correspondences, const std::vector<Attempt>& tried) {
+  std::vector<Attempt> result;
+  for (const Attempt& attempt : tried) result.push_back(brought_to(correspondences, attempt, attempt.bound));
+  const std::size_t coarse = result.size();
+  for (std::size_t k = 0; k < coarse; ++k) {
+    for (const double factor : kFinerFactors) {
+      const Attempt finer = brought_to(correspondences, result[k], factor * result[k].bound);
+      const auto beside = std::find_if(result.begin() + static_cast<std::ptrdiff_t>(coarse), result.end(),
+                                       [&](const Attempt& other) { return are_alike(other.bound, finer.bound); });
+      if (beside == result.end()) {
+        result.push_back(finer);
+      } else if (finer.log10_false_poses < beside->log10_false_poses) {
+        *beside = {beside->bound, finer.pose, finer.log10_false_poses};
+      }
     }
   }
   return result;
 }
 
-// The one with the least number of false poses, at the smallest bound of those.
-const Attempt& most_significant(const std::vector<Attempt>& tried) {
-  return *std::ranges::min_element(
-      tried, {}, [](const Attempt& attempt) { return std::pair(attempt.log10_false_poses, attempt.bound); });
-}
-
-// The pose of an attempt at another bound, looked at closely.
-Attempt brought_to(const Correspondences& correspondences, const Attempt& attempt, double bound) {
-  const detail::PoseCandidate start = detail::scored(correspondences.view(), attempt.pose, bound);
-  const detail::PoseCandidate best = detail::widely_optimise(correspondences, start, bound);
-  return {bound, best.pose, significance(correspondences, best.pose, bound).log10_false_poses};
-}
-
-// The most significant of the attempts where structure counts, and of those between the bounds of the first few.
-Attempt looked_at_closely(const Correspondences& correspondences, std::vector<Attempt> tried) {
-  const auto has_a_chance = [](const Attempt& attempt) { return attempt.log10_false_poses < detail::kSignificant; };
-  if (std::ranges::none_of(tried, has_a_chance)) return most_significant(tried);
-  std::erase_if(tried, std::not_fn(has_a_chance));  // structure makes no pose more significant
-  for (Attempt& attempt : tried) attempt = brought_to(correspondences, attempt, attempt.bound);
-  std::ranges::sort(tried, {}, &Attempt::log10_false_poses);
-  tried.resize(std::min(tried.size(), kLookedAtClosely));
-  for (const Attempt& attempt : std::vector<Attempt>(tried)) {
-    for (const double factor : kFinerFactors) {
-      tried.push_back(brought_to(correspondences, attempt, factor * attempt.bound));
-    }
-    tried.push_back(brought_to(correspondences, attempt, measured_bound(correspondences, attempt)));
+// The most significant of `best`, of what was tried, and of what lies between.
+Attempt looked_at_closely(const Correspondences& correspondences, CloseLooks& looks, std::vector<Attempt> tried,
+                          const Attempt& best) {
+  const bool few = looks.are_cheap();
+  const double needed = detail::kSignificant + (few ? 0.0 : kPlainError - penalty());
+  const auto has_a_chance = [&](const Attempt& attempt) { return attempt.log10_false_poses < needed; };
+  std::vector<Attempt> offered{best};
+  const auto settled = [&] {
+    const Attempt& least = *std::ranges::min_element(offered, {}, rank);
+    return least.log10_false_poses < best.log10_false_poses ? least : best;
+  };
+  if (std::ranges::none_of(tried, has_a_chance)) {
+    offered.insert(offered.end(), tried.begin(), tried.end());
+    return settled();
   }
-  return most_significant(tried);
+  std::erase_if(tried, std::not_fn(has_a_chance));
+  if (few) {
+    for (Attempt& attempt : tried) attempt = brought_to(correspondences, attempt, attempt.bound);
+  } else {
+    tried = with_finer_bounds(correspondences, tried);
+  }
+  std::vector<Attempt> looked = looked_at(looks, std::move(tried), best.log10_false_poses);
+  offered.insert(offered.end(), looked.begin(), looked.end());
+  const Attempt first = settled();
+  if (!few && first.log10_false_poses >= best.log10_false_poses) return best;
+  looked.resize(std::min(looked.size(), few ? kFinerOfFew : 1));
+  std::vector<Attempt> finer;
+  for (const Attempt& attempt : looked) {
+    for (const double factor : kFinerFactors) {
+      if (few) finer.push_back(brought_to(correspondences, attempt, factor * attempt.bound));
+    }
+    finer.push_back(brought_to(correspondences, attempt, measured_bound(correspondences, looks, attempt)));
+    if (!few && are_alike(finer.back().bound, attempt.bound)) finer.pop_back();
+  }
+  finer = looked_at(looks, std::move(finer), first.log10_false_poses);
+  offered.insert(offered.end(), finer.begin(), finer.end());
+  return settled();
 }
 
 // Every so many rows, as many as wanted; all where these are not as many.
@@ -197,35 +368,40 @@ Correspondences sample(const Correspondences& correspondences, std::size_t wante
 
 }  // namespace
 
-NoiseBoundEstimate estimate_noise_bound(const Correspondences& all, std::uint64_t seed) {
-  const detail::DistinctRows rows(all);
+detail::BoundSearch detail::search_noise_bound(const Correspondences& all, std::uint64_t seed) {
+  const DistinctRows rows(all);
   const Correspondences& correspondences = rows.correspondences();
   const double size = extent(correspondences);
   const auto& centroid = correspondences.source_centroid();
-  if (!(size > kResolution * std::hypot(centroid[0], centroid[1], centroid[2]))) return {1.0, 0.0, 1};
+  if (!(size > kResolution * std::hypot(centroid[0], centroid[1], centroid[2]))) return {{1.0, 0.0, 1}, {}};
   const double largest_bound = kLargestBound * size;
+  CloseLooks looks(correspondences);
+  const auto from = [&](const Attempt& sure) {
+    return BoundSearch{{measured_bound(correspondences, looks, sure), sure.log10_false_poses, kBounds}, {}};
+  };
   // A pose that some of the rows put beyond doubt tells the noise as well as all of them do.
-  for (std::size_t wanted = kSampledRows; wanted < correspondences.size(); wanted *= kSampleGrowth) {
+  for (std::size_t wanted = kSampledRows; 2 * wanted < correspondences.size(); wanted *= kSampleGrowth) {
     const Correspondences some = sample(correspondences, wanted);
-    const std::vector<Attempt> tried = attempts(some, largest_bound, seed, kOnSample);
-    if (tried.empty()) continue;
-    const Attempt& chosen = most_significant(tried);
-    const double glance = significance(some, chosen.pose, chosen.bound, Scrutiny::glance).log10_false_poses + penalty();
-    if (glance < detail::kBeyondDoubt) return {measured_bound(correspondences, chosen), glance, kBounds};
+    const Search found(some, largest_bound, seed, kOnSample);
+    if (found.beyond_doubt()) return from(*found.beyond_doubt());
   }
   Attempt chosen{largest_bound, {}, 0.0};
-  for (const Effort& effort : {kOnAll, kLast}) {
-    const std::vector<Attempt> tried = attempts(correspondences, largest_bound, seed, effort);
-    if (tried.empty()) break;
-    const Attempt& plain = most_significant(tried);
-    const double glance = significance(correspondences, plain.pose, plain.bound, Scrutiny::glance).log10_false_poses;
-    if (glance + penalty() < detail::kBeyondDoubt)
-      return {measured_bound(correspondences, plain), glance + penalty(), kBounds};
-    const Attempt close = looked_at_closely(correspondences, tried);
-    if (close.log10_false_poses < chosen.log10_false_poses) chosen = close;
-    if (chosen.log10_false_poses + penalty() < detail::kSignificant) break;
+  std::vector<WorkingPose> poses;
+  for (const Effort& effort : efforts(correspondences.size())) {
+    const Search found(correspondences, largest_bound, seed, effort);
+    if (found.beyond_doubt()) return from(*found.beyond_doubt());
+    for (const Attempt& attempt : found.tried()) poses.push_back(attempt.pose);
+    chosen = looked_at_closely(correspondences, looks, found.tried(), chosen);
+    if (chosen.log10_false_poses + penalty() < kSignificant) break;
   }
-  return {chosen.bound, chosen.log10_false_poses + penalty(), kBounds};
+  const NoiseBoundEstimate estimate{chosen.bound, chosen.log10_false_poses + penalty(), kBounds};
+  if (estimate.log10_false_poses >= kSignificant) return {estimate, {}};
+  poses.insert(poses.begin(), chosen.pose);
+  return {estimate, std::move(poses)};
+}
+
+NoiseBoundEstimate estimate_noise_bound(const Correspondences& correspondences, std::uint64_t seed) {
+  return detail::search_noise_bound(correspondences, seed).estimate;
 }
 
 }  // namespace consimd

@@ -4,9 +4,8 @@
 #include <string>
 #include <utility>
 
-#include <consimd/solvers/noise_bound.hpp>
-
 #include "call/stage_clock.hpp"
+#include "noise_bound/bound_search.hpp"
 #include "registry/filtered_registration.hpp"
 
 namespace consimd {
@@ -35,6 +34,14 @@ Filter filter_by_name(std::string_view name) {
 }
 
 namespace {
+
+// Takes the place of a registration that found nothing, after its stages.
+void fall_back_on(Registration other, Registration& result) {
+  if (!other.has_pose()) return;
+  other.seconds += result.seconds;
+  other.stages.insert(other.stages.begin(), result.stages.begin(), result.stages.end());
+  result = std::move(other);
+}
 
 void require_scale_can_be_estimated(const SolverOptions& options) {
   if (!options.noise_bound) throw std::invalid_argument("estimate_scale: needs a noise_bound");
@@ -69,12 +76,16 @@ Registration register_with(const SolverCall& solver, const Correspondences& corr
   if (options.estimate_scale) require_scale_can_be_estimated(options);
   if (options.noise_bound) return run(solver, correspondences, *options.noise_bound, 1, options);
   StageReport estimation{"noise_bound", correspondences.size(), 0, 0, 0.0};
-  NoiseBoundEstimate estimate;
+  detail::BoundSearch found;
   {
     const detail::StageClock clock(estimation.seconds);
-    estimate = estimate_noise_bound(correspondences, options.seed);
+    found = detail::search_noise_bound(correspondences, options.seed);
   }
+  const NoiseBoundEstimate& estimate = found.estimate;
   Registration result = run(solver, correspondences, estimate.noise_bound, estimate.bounds_tried, options);
+  if (result.status == Status::no_consensus && !found.poses.empty()) {
+    fall_back_on(detail::register_tried_poses(correspondences, found, options.seed), result);
+  }
   estimation.output = result.inliers.size();
   estimation.iterations = estimate.bounds_tried;
   result.seconds += estimation.seconds;

@@ -10,6 +10,11 @@
 namespace consimd::detail {
 namespace {
 
+// What is matched cluster to cluster moves as one over about so many noise bounds: beyond, rows are independent.
+constexpr double kIndependent = 3.0;
+// Without a tenth of dependent rows, a search among the others would be the one that was.
+constexpr double kFewDependent = 0.9;
+
 // Cells of the sources, as long as the radius. Far cells may share a key, which costs time only.
 class Cells {
  public:
@@ -55,6 +60,13 @@ std::vector<std::uint32_t> independent_rows(const CorrespondenceView& view, doub
     kept[Cells::key(x, y, z)].push_back(row);
     rows.push_back(row);
   }
+  return rows;
+}
+
+std::vector<std::uint32_t> rows_for_another_search(const CorrespondenceView& view, double noise_bound) {
+  std::vector<std::uint32_t> rows = independent_rows(view, kIndependent * noise_bound);
+  const bool as_before = static_cast<double>(rows.size()) > kFewDependent * static_cast<double>(view.size());
+  if (rows.size() < 3 || as_before) rows.clear();
   return rows;
 }
 

@@ -13,4 +13,8 @@ namespace consimd::detail {
 /// before it that stays is that close. Far rows are none.
 [[nodiscard]] std::vector<std::uint32_t> independent_rows(const CorrespondenceView& view, double radius);
 
+/// Independent rows at a noise bound (caller's unit), for a search where the support of clusters does not outweigh that
+/// of a pose whose supporters are few but far apart. None where they are fewer than three or nearly all.
+[[nodiscard]] std::vector<std::uint32_t> rows_for_another_search(const CorrespondenceView& view, double noise_bound);
+
 }  // namespace consimd::detail

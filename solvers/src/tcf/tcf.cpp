@@ -13,11 +13,6 @@
 namespace consimd {
 namespace {
 
-// What is matched cluster to cluster moves as one over about so many noise bounds: beyond, rows are independent.
-constexpr double kIndependent = 3.0;
-// Without a tenth of dependent rows, a search among the others would be the one that was.
-constexpr double kFewDependent = 0.9;
-
 // The better of two searches has had two tries at being significant.
 constexpr double kSearches = 2.0;
 
@@ -31,10 +26,8 @@ struct Judged {
 // does not: the best poses of a search among them are held against what was found, and the most significant stays.
 void search_independent_rows(const Correspondences& correspondences, const detail::ConsensusSearchOptions& options,
                              const detail::PoseTest& test, Judged& judged) {
-  const std::vector<std::uint32_t> rows =
-      detail::independent_rows(correspondences.view(), kIndependent * test.noise_bound);
-  if (rows.size() < 3 || static_cast<double>(rows.size()) > kFewDependent * static_cast<double>(correspondences.size()))
-    return;
+  const std::vector<std::uint32_t> rows = detail::rows_for_another_search(correspondences.view(), test.noise_bound);
+  if (rows.empty()) return;
   const Correspondences independent = correspondences.subset(rows);
   detail::ConsensusSearch search(independent, options);
   search.run(false);

@@ -1,0 +1,28 @@
+// The search for a noise bound, and a registration from what it met.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include <consimd/kernels/correspondences.hpp>
+#include <consimd/kernels/kernel_data.hpp>
+#include <consimd/solvers/noise_bound.hpp>
+#include <consimd/solvers/registration.hpp>
+
+namespace consimd::detail {
+
+struct BoundSearch {
+  NoiseBoundEstimate estimate;
+  /// The pose that the estimate rests on and then all that were tried, if that pose is significant but not beyond
+  /// doubt: a solver may miss it. Else none.
+  std::vector<WorkingPose> poses;
+};
+
+/// See estimate_noise_bound.
+BoundSearch search_noise_bound(const Correspondences& correspondences, std::uint64_t seed);
+
+/// The registration of the pose that an estimate rests on, the others being what it has to stand up to. `found` has
+/// poses.
+Registration register_tried_poses(const Correspondences& correspondences, const BoundSearch& found, std::uint64_t seed);
+
+}  // namespace consimd::detail
