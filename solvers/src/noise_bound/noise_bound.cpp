@@ -5,9 +5,7 @@
 #include <cmath>
 #include <functional>
 #include <limits>
-#include <memory>
 #include <numbers>
-#include <optional>
 #include <utility>
 #include <vector>
 
@@ -15,29 +13,23 @@
 #include <consimd/solvers/significance.hpp>
 
 #include "call/distinct_rows.hpp"
+#include "noise_bound/bound_attempts.hpp"
 #include "noise_bound/bound_search.hpp"
-#include "search/consensus_search.hpp"
-#include "support/independent_rows.hpp"
 #include "support/points.hpp"
 #include "support/pose_candidate.hpp"
-#include "verdict/background.hpp"
-#include "verdict/kept_structure.hpp"
 #include "verdict/pose_test.hpp"
 
-namespace consimd {
+namespace consimd::detail {
 namespace {
 
 // Sources further from their centroid than this, in median distances, say nothing of the extent.
 constexpr float kBulk = 32.0F;
 constexpr double kLargestBound = 1.0 / 4.0;  // of the extent
-constexpr std::uint32_t kBounds = 10;
 // Points closer than this share of their distance from the origin differ by rounding.
 constexpr double kResolution = 1e-14;
 // A pose that a fiftieth of the rows supports is met by the seeds in a sample of the rows.
 constexpr std::size_t kSampledRows = 1024;
 constexpr std::size_t kSampleGrowth = 4;
-// Among so many rows no search and no look takes long.
-constexpr std::size_t kFewRows = 1024;
 // The bound is three deviations; measured again until it changes by less than this factor.
 constexpr double kDeviations = 3.0;
 constexpr double kSettledFactor = 1.05;
@@ -56,7 +48,7 @@ double extent(const Correspondences& correspondences) {
   const CorrespondenceView view = correspondences.view();
   if (view.size() == 0) return 0.0;
   std::vector<float> squared(view.size());
-  for (std::size_t k = 0; k < view.size(); ++k) squared[k] = squared_distance(detail::source_point(view, k), {});
+  for (std::size_t k = 0; k < view.size(); ++k) squared[k] = squared_distance(source_point(view, k), {});
   std::vector<float> sorted = squared;
   const auto middle = sorted.begin() + static_cast<std::ptrdiff_t>(sorted.size() / 2);
   std::ranges::nth_element(sorted, middle);
@@ -72,59 +64,12 @@ double extent(const Correspondences& correspondences) {
   return std::sqrt(sum / static_cast<double>(count)) / view.scale();
 }
 
-// The best pose at one bound.
-struct Attempt {
-  double bound;
-  WorkingPose pose;
-  double log10_false_poses = 0.0;
-};
-
 // Deviation per axis of the residuals of so many supporters about a pose, over that about the pose fitted to them,
 // which took six of their degrees of freedom.
 double freedom_factor(double supporters) {
   const double residuals = 3.0 * std::max(supporters, 3.0);
   return std::sqrt(residuals / (residuals - 6.0));
 }
-
-// log10 by which many bounds raise the number of false poses.
-double penalty() { return std::log10(kBounds); }
-
-// A glance at an attempt; many bounds count.
-double glance(const Correspondences& correspondences, const Attempt& attempt) {
-  return significance(correspondences, attempt.pose, attempt.bound, Scrutiny::glance).log10_false_poses + penalty();
-}
-
-// Close looks at poses. What they are held against is measured once a bound, and rows are cut into strata once.
-class CloseLooks {
- public:
-  /// Keeps a reference to the correspondences.
-  explicit CloseLooks(const Correspondences& correspondences)
-      : correspondences_(correspondences), kept_(std::make_shared<const detail::KeptStructure>(correspondences)) {}
-
-  /// Where that is not below `enough` there may be more.
-  [[nodiscard]] double log10_false_poses(const WorkingPose& pose, double bound, double enough = 0.0) {
-    auto found = std::ranges::find(backgrounds_, bound, &std::pair<double, detail::Background>::first);
-    if (found == backgrounds_.end()) {
-      backgrounds_.emplace_back(bound, detail::Background(correspondences_, bound, kept_));
-      found = backgrounds_.end() - 1;
-    }
-    return found->second.log_false_poses(pose, enough * std::numbers::ln10) / std::numbers::ln10;
-  }
-
-  [[nodiscard]] bool are_cheap() const { return correspondences_.size() <= kFewRows; }
-
-  /// Whether a registration would find the pose significant, beside what its runner-up may reach.
-  [[nodiscard]] bool is_significant(const WorkingPose& pose, double bound) {
-    const double needed = detail::kSignificantRival - penalty();
-    return glance(correspondences_, {bound, pose}) < detail::kBeyondDoubt ||
-           log10_false_poses(pose, bound, needed) < needed;
-  }
-
- private:
-  const Correspondences& correspondences_;
-  std::shared_ptr<const detail::KeptStructure> kept_;
-  std::vector<std::pair<double, detail::Background>> backgrounds_;
-};
 
 bool are_alike(double bound, double other) { return bound < other * kSettledFactor && other < bound * kSettledFactor; }
 
@@ -151,127 +96,10 @@ double measured_bound(const Correspondences& correspondences, CloseLooks& looks,
   return std::min(bound, attempt.bound);
 }
 
-// What a search takes upon itself.
-struct Effort {
-  std::uint32_t seeds;
-  // Bounds tried past the most significant one before it is believed to be that, if a glance leaves no doubt, or in
-  // doubt too: what matchers keep, which pairing at random knows nothing of, may be more significant at other bounds.
-  std::uint32_t bounds_past;
-  bool stops_in_doubt = false;
-  std::size_t glances = 3;   // at the most significant attempts: what a glance finds of one may be too little
-  bool independent = false;  // among rows that tell of different places, where that are clearly fewer than all
-  bool exhaustive = false;
-};
-constexpr Effort kOnSample{.seeds = 256, .bounds_past = 2, .stops_in_doubt = true};
-constexpr Effort kOnAll{.seeds = 1024, .bounds_past = 2};
-constexpr Effort kOnFew{.seeds = 1024, .bounds_past = kBounds, .glances = 1};
-constexpr Effort kOnIndependent{.seeds = 1024, .bounds_past = kBounds, .independent = true};
-// As much as a registration that finds nothing at first.
-constexpr Effort kLast{
-    .seeds = detail::ConsensusSearchOptions{}.max_seeds, .bounds_past = 1, .stops_in_doubt = true, .exhaustive = true};
-constexpr Effort kLastOfFew{.seeds = kLast.seeds, .bounds_past = kBounds, .glances = 1, .exhaustive = true};
-
-// What searches among all rows, each if the former has found nothing, take upon themselves.
-std::vector<Effort> efforts(std::size_t rows) {
-  if (rows <= kFewRows) return {kOnFew, kLastOfFew};
-  return {kOnAll, kOnIndependent, kLast};
-}
-
-// Of equally significant attempts that at the smaller bound is the better one.
-std::pair<double, double> rank(const Attempt& attempt) { return {attempt.log10_false_poses, attempt.bound}; }
-
-// The attempts of a search, at some of the bounds.
-class Search {
- public:
-  /// Keeps a reference to the correspondences.
-  Search(const Correspondences& correspondences, double largest_bound, std::uint64_t seed, const Effort& effort)
-      : correspondences_(correspondences), seed_(seed), effort_(effort) {
-    run(largest_bound);
-  }
-
-  /// The best pose and its runner-up at each bound, with the value of a plain look.
-  [[nodiscard]] const std::vector<Attempt>& tried() const { return tried_; }
-  /// One that a glance leaves no doubt of, with the value of that.
-  [[nodiscard]] const std::optional<Attempt>& beyond_doubt() const { return beyond_doubt_; }
-
- private:
-  void run(double largest_bound);
-  double try_bound(const Correspondences& searched, double bound);
-  void glance_at_best();
-
-  const Correspondences& correspondences_;
-  std::uint64_t seed_;
-  Effort effort_;
-  std::vector<WorkingPose> known_;  // the poses at the last bound
-  std::vector<Attempt> tried_;
-  std::optional<Attempt> beyond_doubt_;
-};
-
-// From the largest bound on, each half of the last; from the smallest on where the time of an exhaustive search
-// matters, which grows with the bound.
-void Search::run(double largest_bound) {
-  double least = detail::kSignificant;
-  std::uint32_t since_least = 0;
-  bool looked = false;
-  const bool upwards = effort_.exhaustive && effort_.stops_in_doubt;
-  for (std::uint32_t b = 0; b < kBounds; ++b) {
-    const double bound = std::ldexp(largest_bound, -static_cast<int>(upwards ? kBounds - 1 - b : b));
-    double least_here = 0.0;
-    if (effort_.independent) {
-      const std::vector<std::uint32_t> rows = detail::rows_for_another_search(correspondences_.view(), bound);
-      if (!rows.empty()) least_here = try_bound(correspondences_.subset(rows), bound);
-    } else {
-      least_here = try_bound(correspondences_, bound);
-      if (known_.empty() && !upwards) break;
-    }
-    if (least_here < least) {
-      least = least_here;
-      since_least = 0;
-      looked = false;
-    } else if (least < detail::kSignificant && ++since_least == effort_.bounds_past) {
-      glance_at_best();
-      looked = true;
-      if (beyond_doubt_ || effort_.stops_in_doubt) return;
-    }
-  }
-  if (!looked) glance_at_best();
-}
-
-// Searches with the poses of the last bound at hand; log10 of the least number of false poses found.
-double Search::try_bound(const Correspondences& searched, double bound) {
-  detail::ConsensusSearch search(searched,
-                                 {.noise_bound = bound, .seed = seed_, .max_seeds = effort_.seeds, .settles = false});
-  for (const WorkingPose& pose : known_) search.offer(pose);
-  search.run(effort_.exhaustive);
-  known_.clear();
-  double least = 0.0;
-  for (const detail::PoseCandidate* found : {&search.poses().best(), &search.poses().runner_up()}) {
-    if (found->support.count < 3) continue;
-    known_.push_back(found->pose);
-    const double plain = significance(correspondences_, found->pose, bound, Scrutiny::plain).log10_false_poses;
-    tried_.push_back({bound, found->pose, plain});
-    least = std::min(least, plain);
-  }
-  return least;
-}
-
-void Search::glance_at_best() {
-  std::vector<Attempt> best = tried_;
-  std::ranges::stable_sort(best, {}, rank);
-  best.resize(std::min(best.size(), effort_.glances));
-  for (Attempt& attempt : best) {
-    if (attempt.log10_false_poses >= detail::kSignificant) return;
-    attempt.log10_false_poses = glance(correspondences_, attempt);
-    if (attempt.log10_false_poses >= detail::kBeyondDoubt) continue;
-    beyond_doubt_ = attempt;
-    return;
-  }
-}
-
 // The pose of an attempt at another bound, held against random pairing alone.
 Attempt brought_to(const Correspondences& correspondences, const Attempt& attempt, double bound) {
-  const detail::PoseCandidate start = detail::scored(correspondences.view(), attempt.pose, bound);
-  const detail::PoseCandidate best = detail::widely_optimise(correspondences, start, bound);
+  const PoseCandidate start = scored(correspondences.view(), attempt.pose, bound);
+  const PoseCandidate best = widely_optimise(correspondences, start, bound);
   return {bound, best.pose, significance(correspondences, best.pose, bound, Scrutiny::plain).log10_false_poses};
 }
 
@@ -286,8 +114,8 @@ std::vector<Attempt> looked_at(CloseLooks& looks, std::vector<Attempt> tried, do
   for (; looked < tried.size(); ++looked) {
     Attempt& attempt = tried[looked];
     const double possible = attempt.log10_false_poses - kPlainError;
-    const bool is_enough = possible >= std::min(least, detail::kSignificant - penalty()) ||
-                           (since_least == kLooksPast && least + penalty() < detail::kSignificant);
+    const bool is_enough = possible >= std::min(least, kSignificant - penalty()) ||
+                           (since_least == kLooksPast && least + penalty() < kSignificant);
     if (is_enough && !few) break;
     attempt.log10_false_poses = looks.log10_false_poses(attempt.pose, attempt.bound, few ? 0.0 : least);
     since_least = attempt.log10_false_poses < least ? 0 : since_least + 1;
@@ -323,7 +151,7 @@ std::vector<Attempt> with_finer_bounds(const Correspondences& correspondences, c
 Attempt looked_at_closely(const Correspondences& correspondences, CloseLooks& looks, std::vector<Attempt> tried,
                           const Attempt& best) {
   const bool few = looks.are_cheap();
-  const double needed = detail::kSignificant + (few ? 0.0 : kPlainError - penalty());
+  const double needed = kSignificant + (few ? 0.0 : kPlainError - penalty());
   const auto has_a_chance = [&](const Attempt& attempt) { return attempt.log10_false_poses < needed; };
   std::vector<Attempt> offered{best};
   const auto settled = [&] {
@@ -368,7 +196,7 @@ Correspondences sample(const Correspondences& correspondences, std::size_t wante
 
 }  // namespace
 
-detail::BoundSearch detail::search_noise_bound(const Correspondences& all, std::uint64_t seed) {
+BoundSearch search_noise_bound(const Correspondences& all, std::uint64_t seed) {
   const DistinctRows rows(all);
   const Correspondences& correspondences = rows.correspondences();
   const double size = extent(correspondences);
@@ -382,13 +210,13 @@ detail::BoundSearch detail::search_noise_bound(const Correspondences& all, std::
   // A pose that some of the rows put beyond doubt tells the noise as well as all of them do.
   for (std::size_t wanted = kSampledRows; 2 * wanted < correspondences.size(); wanted *= kSampleGrowth) {
     const Correspondences some = sample(correspondences, wanted);
-    const Search found(some, largest_bound, seed, kOnSample);
+    const BoundAttempts found(some, largest_bound, seed, kOnSample);
     if (found.beyond_doubt()) return from(*found.beyond_doubt());
   }
   Attempt chosen{largest_bound, {}, 0.0};
   std::vector<WorkingPose> poses;
   for (const Effort& effort : efforts(correspondences.size())) {
-    const Search found(correspondences, largest_bound, seed, effort);
+    const BoundAttempts found(correspondences, largest_bound, seed, effort);
     if (found.beyond_doubt()) return from(*found.beyond_doubt());
     for (const Attempt& attempt : found.tried()) poses.push_back(attempt.pose);
     chosen = looked_at_closely(correspondences, looks, found.tried(), chosen);
@@ -399,6 +227,10 @@ detail::BoundSearch detail::search_noise_bound(const Correspondences& all, std::
   poses.insert(poses.begin(), chosen.pose);
   return {estimate, std::move(poses)};
 }
+
+}  // namespace consimd::detail
+
+namespace consimd {
 
 NoiseBoundEstimate estimate_noise_bound(const Correspondences& correspondences, std::uint64_t seed) {
   return detail::search_noise_bound(correspondences, seed).estimate;

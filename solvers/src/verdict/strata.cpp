@@ -63,11 +63,15 @@ Strata::Strata(const CorrespondenceView& view, Partition partition, double apart
       targets_[axis][position] = view.target(axis)[rows_[position]];
     }
   }
-  position_.resize(view.size());
-  for (std::uint32_t position = 0; position < rows_.size(); ++position) position_[rows_[position]] = position;
   stratum_of_.reserve(rows_.size());
   for (std::uint32_t s = 0; s + 1 < first_.size(); ++s) {
     stratum_of_.insert(stratum_of_.end(), first_[s + 1] - first_[s], s);
+  }
+  position_.resize(view.size());
+  stratum_of_row_.resize(view.size());
+  for (std::uint32_t position = 0; position < rows_.size(); ++position) {
+    position_[rows_[position]] = position;
+    stratum_of_row_[rows_[position]] = stratum_of_[position];
   }
   double looked_at = 0.0;
   for (std::uint32_t position = 0; position < rows_.size(); position += kCountedStep) {
@@ -80,7 +84,7 @@ Strata::Strata(const CorrespondenceView& view, Partition partition, double apart
 std::uint32_t Strata::mates(std::uint32_t position) const {
   const std::uint32_t begin = first_[stratum_of_[position]];
   const std::uint32_t size = first_[stratum_of_[position] + 1] - begin;
-  const Point p = source(position);
+  const Point p{sources_[0][position], sources_[1][position], sources_[2][position]};
   std::array<float, kStratumRows> squared{};
   const std::uint32_t near = closer(&sources_[0][begin], &sources_[1][begin], &sources_[2][begin], p, apart_, squared);
   return (~std::uint32_t{0} >> (kStratumRows - size)) & ~near;
@@ -113,14 +117,12 @@ PairingHits Strata::support(std::span<const ReachedTarget> reached, double bound
   const Limits limits = this->limits(bound);
   PairingHits result;
   for (const auto& [source_row, target_row, squared] : reached) {
-    const std::uint32_t position = position_[source_row];
-    const std::uint32_t stratum = stratum_of_[position];
-    const std::uint32_t other = position_[target_row];
-    if (stratum_of_[other] != stratum || squared_distance(source(position), source(other)) < apart_ ||
+    if (stratum_of_row_[source_row] != stratum_of_row_[target_row] ||
+        squared_distance(source_point(view_, source_row), source_point(view_, target_row)) < apart_ ||
         matched.contains(view_, source_row, target_row)) {
       continue;
     }
-    add(result, 1.0 / std::popcount(mates(position)), squared, limits);
+    add(result, 1.0 / std::popcount(mates(position_[source_row])), squared, limits);
   }
   return mean(result);
 }

@@ -10,7 +10,6 @@
 #include <consimd/kernels/correspondences.hpp>
 #include <consimd/kernels/kernel_data.hpp>
 
-#include "support/points.hpp"
 #include "support/repeated_points.hpp"
 #include "verdict/reached_targets.hpp"
 
@@ -65,9 +64,6 @@ class Strata {
   static void add(PairingHits& hits, double share, float squared, const Limits& limits);
   // The hits as their mean share in all trials.
   [[nodiscard]] PairingHits mean(PairingHits hits) const;
-  [[nodiscard]] Point source(std::uint32_t position) const {
-    return {sources_[0][position], sources_[1][position], sources_[2][position]};
-  }
   // Bits of the rows of its stratum that the row at a position is tested with.
   [[nodiscard]] std::uint32_t mates(std::uint32_t position) const;
 
@@ -76,6 +72,7 @@ class Strata {
   std::vector<std::uint32_t> first_;       // position in rows_ of a stratum's first; one more: the end
   std::vector<std::uint32_t> stratum_of_;  // by position
   std::vector<std::uint32_t> position_;    // in rows_, by row
+  std::vector<std::uint32_t> stratum_of_row_;
   // By position, coordinate by coordinate; a stratum more at the end.
   std::array<std::vector<float>, 3> sources_;
   std::array<std::vector<float>, 3> targets_;
