@@ -130,6 +130,7 @@ std::vector<Attempt> looked_at(CloseLooks& looks, std::vector<Attempt> tried, do
 // these: of those the one stays that random pairing gives less often.
 std::vector<Attempt> with_finer_bounds(const Correspondences& correspondences, const std::vector<Attempt>& tried) {
   std::vector<Attempt> result;
+  result.reserve((1 + kFinerFactors.size()) * tried.size());
   for (const Attempt& attempt : tried) result.push_back(brought_to(correspondences, attempt, attempt.bound));
   const std::size_t coarse = result.size();
   for (std::size_t k = 0; k < coarse; ++k) {
