@@ -191,7 +191,7 @@ Problem symmetric_part(const SymmetricPartOptions& o) {
   const Eigen::Matrix3d axes = streams.motions.rotation();
   const auto turn = [&](std::size_t fold) {
     const double angle = 2.0 * std::numbers::pi * static_cast<double>(fold) / static_cast<double>(o.folds);
-    return Eigen::Matrix3d(axes * Eigen::AngleAxisd(angle, Eigen::Vector3d::UnitZ()) * axes.transpose());
+    return Eigen::Matrix3d(axes * turn_about(Eigen::Vector3d::UnitZ(), angle).toRotationMatrix() * axes.transpose());
   };
   std::vector<Row> rows;
   for (std::size_t k = 0; k < o.points_per_sector; ++k) {

@@ -17,6 +17,7 @@
 
 #include <Eigen/Dense>
 
+#include <consimd/kernels/elementary_functions.hpp>
 #include <consimd/synth/noise_study.hpp>
 #include <consimd/synth/pending_file.hpp>
 
@@ -217,7 +218,7 @@ RigidTransform read_pose(const fs::path& path) {
 
 ScaledPose read_scaled_pose(const fs::path& path) {
   const Eigen::Matrix<double, 3, 4> matrix = read_matrix(path);
-  const double scale = std::cbrt(matrix.leftCols<3>().determinant());
+  const double scale = elementary::cbrt(matrix.leftCols<3>().determinant());
   if (scale < 0.0) fail(path, "not a rotation but a reflection: its determinant is negative");
   if (!(scale > 0.0) || !std::isfinite(scale)) fail(path, "its scale is " + rounded(scale) + ", expected one above 0");
   return {nearest_pose(path, matrix.leftCols<3>() / scale, matrix.col(3)), scale};

@@ -12,7 +12,15 @@
 #include <Random123/philox.h>
 #include <Eigen/Geometry>
 
+#include <consimd/kernels/elementary_functions.hpp>
+
 namespace consimd::synth {
+
+/// The rotation by `angle`, in radians, about a unit vector.
+inline Eigen::Quaterniond turn_about(const Eigen::Vector3d& axis, double angle) noexcept {
+  const auto [sine, cosine] = elementary::sine_cosine(0.5 * angle);
+  return {cosine, sine * axis.x(), sine * axis.y(), sine * axis.z()};
+}
 
 /// Names one problem among all: its random numbers depend on nothing else.
 struct ProblemKey {
@@ -63,11 +71,11 @@ class RandomStream {
       has_spare_ = false;
       return spare_;
     }
-    const double radius = std::sqrt(-2.0 * std::log(1.0 - uniform()));
-    const double angle = 2.0 * std::numbers::pi * uniform();
-    spare_ = radius * std::sin(angle);
+    const double radius = std::sqrt(-2.0 * elementary::log(1.0 - uniform()));
+    const auto angle = elementary::sine_cosine(2.0 * std::numbers::pi * uniform());
+    spare_ = radius * angle.sine;
     has_spare_ = true;
-    return radius * std::cos(angle);
+    return radius * angle.cosine;
   }
 
   Eigen::Vector3d gaussian_vector() noexcept {
@@ -83,9 +91,11 @@ class RandomStream {
 
   /// Uniform over all rotations: K. Shoemake, "Uniform random rotations", Graphics Gems III, 1992.
   Eigen::Matrix3d rotation() noexcept {
-    const double u = uniform(), a = 2.0 * std::numbers::pi * uniform(), b = 2.0 * std::numbers::pi * uniform();
+    const double u = uniform();
+    const auto a = elementary::sine_cosine(2.0 * std::numbers::pi * uniform());
+    const auto b = elementary::sine_cosine(2.0 * std::numbers::pi * uniform());
     const double s = std::sqrt(1.0 - u), t = std::sqrt(u);
-    return Eigen::Quaterniond(t * std::cos(b), s * std::sin(a), s * std::cos(a), t * std::sin(b)).toRotationMatrix();
+    return Eigen::Quaterniond(t * b.cosine, s * a.sine, s * a.cosine, t * b.sine).toRotationMatrix();
   }
 
   /// Fisher-Yates: every order equally likely. At most 2^32 - 1 values.

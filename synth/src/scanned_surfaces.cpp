@@ -3,6 +3,8 @@
 #include <cmath>
 #include <numbers>
 
+#include <consimd/kernels/elementary_functions.hpp>
+
 namespace consimd::synth {
 namespace {
 
@@ -36,8 +38,9 @@ class Builder {
 
   /// Four upright sides and a top.
   void box(const Vector3d& centre, double length, double width, double height, SurfaceKind kind, double turn) {
-    const Vector3d x(0.5 * length * std::cos(turn), 0.5 * length * std::sin(turn), 0.0);
-    const Vector3d y(-0.5 * width * std::sin(turn), 0.5 * width * std::cos(turn), 0.0);
+    const auto [sine, cosine] = elementary::sine_cosine(turn);
+    const Vector3d x(0.5 * length * cosine, 0.5 * length * sine, 0.0);
+    const Vector3d y(-0.5 * width * sine, 0.5 * width * cosine, 0.0);
     const Vector3d up(0.0, 0.0, height);
     rectangle(kind, centre - x - y, 2.0 * x, up, 0.0, 0.0);
     rectangle(kind, centre - x + y, 2.0 * x, up, 0.0, 0.0);
@@ -233,8 +236,8 @@ SurfacePoint Surface::sample(RandomStream& random) const {
   }
   const double a = random.uniform(), b = random.uniform();
   if (shape_ == Shape::cylinder) {
-    const double turn = 2.0 * std::numbers::pi * a;
-    const Vector3d normal(std::cos(turn), std::sin(turn), 0.0);
+    const auto turn = elementary::sine_cosine(2.0 * std::numbers::pi * a);
+    const Vector3d normal(turn.cosine, turn.sine, 0.0);
     const Vector3d up = up_.normalized();
     return {origin_ + across_.norm() * normal + b * up_, up.cross(normal), up, normal};
   }

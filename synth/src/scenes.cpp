@@ -1,7 +1,8 @@
 #include "scenes.hpp"
 
-#include <cmath>
 #include <numbers>
+
+#include <consimd/kernels/elementary_functions.hpp>
 
 namespace consimd::synth {
 namespace {
@@ -63,7 +64,8 @@ ScenePair::ScenePair(const HardProblemOptions& options, RandomStream& layout)
 
 double ScenePair::ring_radius(std::uint32_t ring) const {
   const double degrees = kFlattestBeam + (kSteepestBeam - kFlattestBeam) * ring / parts_;
-  return kScannerHeight * half_extent_ / std::tan(degrees * std::numbers::pi / 180.0);
+  const auto [sine, cosine] = elementary::sine_cosine(degrees * std::numbers::pi / 180.0);
+  return kScannerHeight * half_extent_ * (cosine / sine);
 }
 
 double ScenePair::place(std::uint32_t k, std::uint32_t count) const {
@@ -72,8 +74,8 @@ double ScenePair::place(std::uint32_t k, std::uint32_t count) const {
 
 Eigen::Vector3d ScenePair::on_ring(std::uint32_t ring, RandomStream& random) const {
   const double radius = ring_radius(ring);
-  const double azimuth = random.uniform(0.0, 2.0 * std::numbers::pi);
-  return {radius * std::cos(azimuth), radius * std::sin(azimuth), -kScannerHeight * half_extent_};
+  const auto azimuth = elementary::sine_cosine(random.uniform(0.0, 2.0 * std::numbers::pi));
+  return {radius * azimuth.cosine, radius * azimuth.sine, -kScannerHeight * half_extent_};
 }
 
 std::uint32_t ScenePair::random_face(RandomStream& random) const {

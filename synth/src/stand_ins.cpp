@@ -132,8 +132,8 @@ class ScanPair {
     const double roll = sensor_.tilt * degree * motions_.gaussian();
     const double pitch = sensor_.tilt * degree * motions_.gaussian();
     RigidTransform pose = RigidTransform::Identity();
-    pose.linear() = (Eigen::AngleAxisd(heading, Vector3d::UnitZ()) * Eigen::AngleAxisd(pitch, Vector3d::UnitY()) *
-                     Eigen::AngleAxisd(roll, Vector3d::UnitX()))
+    pose.linear() = (turn_about(Vector3d::UnitZ(), heading) * turn_about(Vector3d::UnitY(), pitch) *
+                     turn_about(Vector3d::UnitX(), roll))
                         .toRotationMatrix();
     pose.translation() = Vector3d(x, 0.0, sensor_.height);
     return pose;

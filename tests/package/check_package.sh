@@ -110,8 +110,8 @@ for library in "$work-shared"/prefix/lib*/libconsimd_*.so "$work-shared"/prefix/
 done
 ((${#libraries[@]} == 6)) || fail "expected six shared libraries, found ${#libraries[@]}"
 
-say "what the installed binaries load, and how they are hardened"
-quietly python3 -I "$root/tools/check_binaries.py" --hardened "$static/prefix" "$work-shared/prefix"
+say "what the installed binaries load and call, and how they are hardened"
+quietly python3 -I "$root/tools/check_binaries.py" --hardened --reproducible "$static/prefix" "$work-shared/prefix"
 
 # --- Flags ------------------------------------------------------------------------------------------------------------
 
@@ -128,8 +128,9 @@ for compiler in "${compilers[@]}"; do
   for name in static shared native; do
     configure_consumer "march=native-$name-$compiler" -DCMAKE_CXX_COMPILER="$compiler" \
       -DCMAKE_PREFIX_PATH="$work-$name/prefix" -DCMAKE_CXX_FLAGS=-march=native -DSTRICT=OFF
-    quietly cmake --build "$work-march=native-$name-$compiler" --target pose_bits
+    quietly cmake --build "$work-march=native-$name-$compiler" --target pose_bits golden_digests
     same_bits "march=native-$name-$compiler"
+    quietly "$work-march=native-$name-$compiler/golden_digests" "$root/tests/golden/golden_digests.txt"
   done
   same_bits "find_package-static-$compiler"
   same_bits "find_package-shared-$compiler"

@@ -53,6 +53,27 @@ class CheckBinaries(unittest.TestCase):
         self.link(*HARDENED, "-fno-PIE", "-no-pie")
         self.assertEqual(self.faults("--hardened"), ["not position-independent"])
 
+    def test_functions_that_round_in_their_own_way(self):
+        (self.folder / "main.cpp").write_text(
+            "#include <cmath>\n"
+            "int main(int n, char**) { volatile double x = n; volatile float y = 1.0F;\n"
+            "  return std::log1p(x) + std::pow(x, x) + std::atan2(x, x) + std::sin(y) > 2.0; }\n"
+        )
+        self.link()
+        self.assertEqual(
+            self.faults("--reproducible"),
+            [f"calls {name} of the C library, whose results differ between processors" for name in
+             ("atan2", "log1p", "pow", "sinf")],
+        )  # fmt: skip
+        self.assertEqual(self.faults(), [])
+        (self.folder / "main.cpp").write_text(
+            "#include <cmath>\n"
+            "int main(int n, char**) { volatile double x = n, y = 3;\n"
+            "  return std::sqrt(x) + std::floor(x) + std::fmod(x, y) + std::ldexp(x, n) + std::round(x) > 9.0; }\n"
+        )
+        self.link()
+        self.assertEqual(self.faults("--reproducible"), [])
+
     def test_nothing_to_check_is_a_fault(self):
         self.assertEqual(self.faults(), [f"no binaries in {self.folder}"])
 

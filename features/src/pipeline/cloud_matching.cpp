@@ -15,6 +15,7 @@
 #include <consimd/features/normals.hpp>
 #include <consimd/features/point_subset.hpp>
 #include <consimd/features/voxel_grid.hpp>
+#include <consimd/kernels/elementary_functions.hpp>
 
 #include "grid/box.hpp"
 #include "grid/neighbourhoods.hpp"
@@ -147,6 +148,15 @@ void take_points(const Side& source, const Side& target, CloudMatches& result) {
   result.correspondences = Correspondences(span(result.source_points), span(result.target_points));
 }
 
+// Rounded to two decimal digits.
+double with_two_digits(double length) {
+  const double digit = std::clamp(std::floor(elementary::log10(length)) - 1.0, -300.0, 300.0);
+  double power = 1.0;
+  for (double k = 0.0; k < std::abs(digit); ++k) power *= 10.0;
+  const double rounded = digit < 0.0 ? std::round(length * power) / power : std::round(length / power) * power;
+  return rounded > 0.0 ? rounded : length;
+}
+
 }  // namespace
 
 double choose_voxel(const Cloud& cloud) {
@@ -170,8 +180,7 @@ double choose_voxel(const Cloud& cloud) {
     voxel *= alone ? 2.0 : std::sqrt(ratio);
     if (!(voxel > low && voxel < high)) voxel = std::sqrt(low * high);
   }
-  const double digit = std::pow(10.0, std::floor(std::log10(voxel)) - 1.0);
-  return std::round(voxel / digit) * digit;
+  return with_two_digits(voxel);
 }
 
 CloudMatches match_clouds(const Cloud& source, const Cloud& target, const CloudMatchingOptions& options) {

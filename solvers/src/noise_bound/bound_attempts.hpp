@@ -1,7 +1,6 @@
 // Poses tried at many noise bounds, and looks at them.
 #pragma once
 
-#include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <memory>
@@ -10,6 +9,7 @@
 #include <vector>
 
 #include <consimd/kernels/correspondences.hpp>
+#include <consimd/kernels/elementary_functions.hpp>
 #include <consimd/kernels/kernel_data.hpp>
 
 #include "verdict/background.hpp"
@@ -22,7 +22,7 @@ inline constexpr std::uint32_t kBounds = 10;
 inline constexpr std::size_t kFewRows = 1024;
 
 /// log10 by which many bounds raise the number of false poses.
-inline double penalty() { return std::log10(kBounds); }
+inline double penalty() { return elementary::log10(kBounds); }
 
 /// A pose at one bound.
 struct Attempt {

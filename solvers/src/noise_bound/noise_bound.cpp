@@ -202,7 +202,8 @@ BoundSearch search_noise_bound(const Correspondences& all, std::uint64_t seed) {
   const Correspondences& correspondences = rows.correspondences();
   const double size = extent(correspondences);
   const auto& centroid = correspondences.source_centroid();
-  if (!(size > kResolution * std::hypot(centroid[0], centroid[1], centroid[2]))) return {{1.0, 0.0, 1}, {}};
+  if (!(size > kResolution * Eigen::Map<const Eigen::Vector3d>(centroid.data()).stableNorm()))
+    return {{1.0, 0.0, 1}, {}};
   const double largest_bound = kLargestBound * size;
   CloseLooks looks(correspondences);
   const auto from = [&](const Attempt& sure) {

@@ -4,10 +4,10 @@
 #include <oneapi/tbb/parallel_for.h>
 
 #include <algorithm>
-#include <cmath>
 #include <numeric>
 #include <span>
 
+#include <consimd/kernels/elementary_functions.hpp>
 #include <consimd/kernels/length_ratio.hpp>
 #include <consimd/kernels/three_point_fit.hpp>
 #include <consimd/solvers/significance.hpp>
@@ -59,7 +59,8 @@ class Search {
     ConsistencyMatrix matrix;
     {
       const detail::StageClock clock(pairs.seconds);
-      matrix.compute_ratio(ranked, length_of(options_.length_tolerance, options_), std::tanh(options_.ratio_tolerance));
+      matrix.compute_ratio(ranked, length_of(options_.length_tolerance, options_),
+                           elementary::tanh(options_.ratio_tolerance));
     }
     const detail::StageClock clock(triples.seconds);
     RankedTriples order(matrix);
@@ -98,7 +99,7 @@ class Search {
   [[nodiscard]] bool is_significant() const {
     const detail::PoseCandidate& best = poses_.best();
     return significance(correspondences_, best.pose, options_.noise_bound).log10_false_poses +
-               std::log10(std::max(options_.bounds_tried, 1U)) <
+               elementary::log10(std::max(options_.bounds_tried, 1U)) <
            detail::kSignificant;
   }
 
@@ -161,7 +162,7 @@ std::vector<float> ranking_costs(const Correspondences& correspondences, const P
   std::vector<float> costs(rows.size());
   tbb::parallel_for(tbb::blocked_range<std::size_t>(0, rows.size(), kRowsPerTask), [&](const auto& range) {
     length_disagreement(correspondences, std::span(rows).subspan(range.begin(), range.size()),
-                        length_of(options.ranking_tolerance, options), std::tanh(options.ratio_tolerance),
+                        length_of(options.ranking_tolerance, options), elementary::tanh(options.ratio_tolerance),
                         std::span(costs).subspan(range.begin(), range.size()));
   });
   // A row far from all others agrees with none.

@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <limits>
 
+#include <consimd/kernels/elementary_functions.hpp>
 #include <consimd/kernels/kernel_data.hpp>
 
 #include "sampling/counter_random.hpp"
@@ -19,9 +20,10 @@ inline constexpr std::uint32_t kBatch = 32;
 /// Eq. (ransac-nt): draws until one sample of `sample_size` has been all inliers with probability `confidence`, for an
 /// inlier share in [0, 1].
 inline std::uint64_t iterations_needed(double confidence, double inlier_share, int sample_size) {
-  const double good = std::pow(inlier_share, sample_size);
+  double good = 1.0;
+  for (int k = 0; k < sample_size; ++k) good *= inlier_share;
   if (good >= 1.0) return 1;
-  const double needed = std::ceil(std::log1p(-confidence) / std::log1p(-good));
+  const double needed = std::ceil(elementary::log1p(-confidence) / elementary::log1p(-good));
   constexpr double kNever = 1e18;
   return needed < kNever ? static_cast<std::uint64_t>(needed) : static_cast<std::uint64_t>(kNever);
 }

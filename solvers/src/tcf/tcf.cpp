@@ -1,6 +1,6 @@
 #include <consimd/solvers/tcf.hpp>
 
-#include <cmath>
+#include <consimd/kernels/elementary_functions.hpp>
 
 #include "call/solver_call.hpp"
 #include "search/consensus_search.hpp"
@@ -37,7 +37,7 @@ void search_independent_rows(const Correspondences& correspondences, const detai
     detail::BestPoses poses = former;
     poses.promote(detail::scored(correspondences.view(), found.pose, test.noise_bound));
     detail::FinalPose final = detail::finish(correspondences, test, poses);
-    final.log10_false_poses += std::log10(kSearches);
+    final.log10_false_poses += elementary::log10(kSearches);
     if (final.log10_false_poses >= judged.final.log10_false_poses) continue;
     final.was_runner_up = true;
     judged = {poses, final};

@@ -8,6 +8,7 @@
 #include <numbers>
 
 #include <consimd/kernels/angle_consistency.hpp>
+#include <consimd/kernels/elementary_functions.hpp>
 #include <consimd/kernels/length_consistency.hpp>
 
 #include "bits/bit_rows.hpp"
@@ -36,8 +37,8 @@ struct EdgeAngle {
   double cosine;
   double bound_sine;
 
-  [[nodiscard]] double angle() const { return std::acos(cosine); }
-  [[nodiscard]] double bound() const { return std::asin(bound_sine); }
+  [[nodiscard]] double angle() const { return elementary::acos(cosine); }
+  [[nodiscard]] double bound() const { return elementary::asin(bound_sine); }
   // Roots and products that are never more than the angle, and never less than the bound.
   [[nodiscard]] double least_angle() const { return std::sqrt(2.0 - 2.0 * cosine); }
   [[nodiscard]] double largest_bound() const { return 0.5 * std::numbers::pi * bound_sine; }

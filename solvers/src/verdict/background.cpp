@@ -1,10 +1,11 @@
 #include "verdict/background.hpp"
 
 #include <algorithm>
-#include <cmath>
 #include <cstdint>
 #include <utility>
 #include <vector>
+
+#include <consimd/kernels/elementary_functions.hpp>
 
 #include "support/repeated_points.hpp"
 #include "verdict/false_poses.hpp"
@@ -37,7 +38,7 @@ bool same(const WorkingPose& a, const WorkingPose& b) {
 // The chance that hits among trials tell of, or that of random pairing where they do not differ from it.
 double structured(double at_random, double hits, double trials) {
   const double none = at_random * trials < kFewHits ? kNoStructureOfFew : kNoStructure;
-  if (log_binomial_tail(trials, hits, at_random) > std::log(none)) return at_random;
+  if (log_binomial_tail(trials, hits, at_random) > elementary::log(none)) return at_random;
   return std::max(at_random, chance(hits, trials));
 }
 

@@ -6,6 +6,8 @@
 #include <numbers>
 #include <vector>
 
+#include <consimd/kernels/elementary_functions.hpp>
+
 #include "support/pose_candidate.hpp"
 
 namespace consimd::detail {
@@ -15,7 +17,7 @@ namespace {
 constexpr std::uint64_t kFixedSeed = 0;
 
 // ln of the number of triples of n.
-double log_triples(double n) { return std::log(std::max(n * (n - 1.0) * (n - 2.0) / 6.0, 1.0)); }
+double log_triples(double n) { return elementary::log(std::max(n * (n - 1.0) * (n - 2.0) / 6.0, 1.0)); }
 
 }  // namespace
 
@@ -23,11 +25,11 @@ double log_binomial_tail(double n, double k, double p) {
   if (k <= n * p) return 0.0;
   if (p == 0.0) return -std::numeric_limits<double>::infinity();
   const double share = std::min(k / n, 1.0);
-  const double divergence =
-      share * std::log(share / p) + (share < 1.0 ? (1.0 - share) * std::log((1.0 - share) / (1.0 - p)) : 0.0);
+  const double divergence = share * elementary::log(share / p) +
+                            (share < 1.0 ? (1.0 - share) * elementary::log((1.0 - share) / (1.0 - p)) : 0.0);
   const double spread = 2.0 * std::numbers::pi * n * share * (1.0 - share);
   const double ratio = p * (1.0 - share) / (share * (1.0 - p));
-  return std::min(0.0, -n * divergence - 0.5 * std::log(std::max(spread, 1.0)) - std::log(1.0 - ratio));
+  return std::min(0.0, -n * divergence - 0.5 * elementary::log(std::max(spread, 1.0)) - elementary::log(1.0 - ratio));
 }
 
 double fit_gain(const Supports& supports) {
@@ -42,10 +44,10 @@ double log_false_poses(double size, const Supports& supports, const Chances& cha
     const auto& [count, spread] = supports[b];
     if (spread < 3.0 || size <= 3.0) continue;
     const double chance = chances.support[b] * spread / count;
-    least = std::min(least, log_triples(size) - log_triples(count) + 3.0 * std::log(chances.length[b]) +
+    least = std::min(least, log_triples(size) - log_triples(count) + 3.0 * elementary::log(chances.length[b]) +
                                 log_binomial_tail(size - 3.0, spread - 3.0, chance));
   }
-  return least + std::log(static_cast<double>(kTestedBounds.size()));
+  return least + elementary::log(static_cast<double>(kTestedBounds.size()));
 }
 
 Chances random_chances(const CorrespondenceView& view, const WorkingPose& pose, double noise_bound, double reach,

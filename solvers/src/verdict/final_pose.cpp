@@ -6,6 +6,7 @@
 #include <numbers>
 #include <utility>
 
+#include <consimd/kernels/elementary_functions.hpp>
 #include <consimd/solvers/pose_refinement.hpp>
 
 #include "call/stage_clock.hpp"
@@ -155,7 +156,7 @@ FinalPose finish(const Correspondences& correspondences, const PoseTest& test, B
   final.shared_errors = refined.shared_errors;
   final.centre = refined.centre;
   final.rotation_deviation = rotation_deviation(view, pose, tau, refined.sigma);
-  final.log10_false_poses = false_poses + std::log10(std::max(test.bounds_tried, 1U));
+  final.log10_false_poses = false_poses + elementary::log10(std::max(test.bounds_tried, 1U));
   return final;
 }
 

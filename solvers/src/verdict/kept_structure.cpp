@@ -13,6 +13,8 @@
 #include <span>
 #include <utility>
 
+#include <consimd/kernels/elementary_functions.hpp>
+
 #include "support/points.hpp"
 
 namespace consimd::detail {
@@ -98,7 +100,7 @@ std::vector<std::size_t> slabs(std::span<const Axis* const> axes, std::size_t si
   const double cells = std::max(1.0, static_cast<double>(size) / static_cast<double>(rows));
   double volume = 1.0;
   for (const Axis* axis : axes) volume *= std::max(axis->spread, 1e-9);
-  const double length = std::pow(volume / cells, 1.0 / static_cast<double>(axes.size()));
+  const double length = elementary::exp(elementary::log(volume / cells) / static_cast<double>(axes.size()));
   std::vector<std::size_t> result;
   for (const Axis* axis : axes) {
     result.push_back(static_cast<std::size_t>(std::clamp(std::round(axis->spread / length), 1.0, cells)));

@@ -3,8 +3,10 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numbers>
 
 #include <consimd/kernels/alignment_residuals.hpp>
+#include <consimd/kernels/elementary_functions.hpp>
 
 #include "sampling/counter_random.hpp"
 #include "sampling/sampling.hpp"
@@ -85,8 +87,10 @@ double pose_chance(const CorrespondenceView& view, const WorkingPose& pose, doub
     factor *= 2.0;
     const ShiftHits wider = shift_hits(view, pose, factor * bound, shifts);
     if (wider.hits >= kTelling || doubling + 1 == kDoublings) {
-      const double dimension = std::clamp(std::log2((wider.hits + 1.0) / (former + 1.0)), 1.0, 3.0);
-      return std::max(within.hits / within.trials, (wider.hits + 1.0) / wider.trials * std::pow(factor, -dimension));
+      const double dimension =
+          std::clamp(elementary::log((wider.hits + 1.0) / (former + 1.0)) / std::numbers::ln2, 1.0, 3.0);
+      return std::max(within.hits / within.trials,
+                      (wider.hits + 1.0) / wider.trials * elementary::exp(-dimension * elementary::log(factor)));
     }
     former = wider.hits;
   }

@@ -6,6 +6,8 @@
 #include <numbers>
 #include <numeric>
 
+#include <consimd/kernels/elementary_functions.hpp>
+
 namespace consimd::detail {
 namespace {
 
@@ -25,7 +27,11 @@ double normalisation(std::uint32_t exponent) {
     std::array<double, 7> values{};
     for (std::size_t squarings = 1; squarings < values.size(); ++squarings) {
       const auto e = static_cast<double>(1U << squarings);
-      values[squarings] = std::tgamma(e) / (std::tgamma(e - 1.5) * std::pow(2.0 * std::numbers::pi * e, 1.5));
+      // gamma(e) / gamma(e - 3/2), factor by factor.
+      double gammas = (e - 1.0) * std::numbers::inv_sqrtpi;
+      for (double j = 0.0; j < e - 2.0; ++j) gammas *= (j + 1.0) / (j + 0.5);
+      const double variance = 2.0 * std::numbers::pi * e;
+      values[squarings] = gammas / (variance * std::sqrt(variance));
     }
     return values;
   }();
@@ -78,7 +84,7 @@ void fit_mixture(const ResidualHistogram& histogram, ResidualMixture& mixture, i
     if (last) {
       for (std::size_t b = 0; b < kResidualBins; ++b) {
         const double expected = (peak / power[b] + mixture.outlier_density) * volume[b];
-        mixture.log_likelihood += histogram.counts[b] * std::log(expected) - expected;
+        mixture.log_likelihood += histogram.counts[b] * elementary::log(expected) - expected;
       }
       break;
     }

@@ -10,6 +10,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include <consimd/kernels/elementary_functions.hpp>
 #include <consimd/solvers/registry.hpp>
 
 #include <consimd/studies/method.hpp>
@@ -219,11 +220,12 @@ class TableMaker {
              std::string(kTimeCaption)},
         .columns = {"solver", "iterations", "recall %", "95 % interval", "expected %", "time ms"},
         .rows = {}};
-    const double share = std::pow(1.0 - kIterationOutliers, 3);
+    const double share = (1.0 - kIterationOutliers) * (1.0 - kIterationOutliers) * (1.0 - kIterationOutliers);
     for (const std::uint32_t n : options_.iterations) {
       const RunStatistics s = statistics_of(*group, plain_ransac(n));
       table.rows.push_back({"plain ransac", fmt::format("{}", n), percent(s.recall), interval(s.recall_interval),
-                            percent(-std::expm1(n * std::log1p(-share))), milliseconds(s.seconds_median)});
+                            percent(-elementary::expm1(n * elementary::log1p(-share))),
+                            milliseconds(s.seconds_median)});
     }
     const RunStatistics rival = statistics_of(*group, kIterationRival);
     table.rows.push_back({std::string(kIterationRival), "-", percent(rival.recall), interval(rival.recall_interval),

@@ -3,9 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <atomic>
-#include <cmath>
 #include <mutex>
-#include <numbers>
 #include <stdexcept>
 
 #include <tbb/parallel_for.h>
@@ -20,10 +18,9 @@
 namespace consimd::studies {
 namespace {
 
-/// The share of Gaussian errors in space that are shorter than 3 sigma: the Maxwell distribution at 3.
-double share_within_bound() {
-  return std::erf(3.0 / std::numbers::sqrt2) - 3.0 * std::sqrt(2.0 / std::numbers::pi) * std::exp(-4.5);
-}
+/// The share of Gaussian errors in space that are shorter than 3 sigma: the Maxwell distribution at 3, which is
+/// erf(3 / sqrt(2)) - 3 sqrt(2 / pi) exp(-9 / 2).
+constexpr double kShareWithinBound = 0.97070911346511177;
 
 /// The support of the best pose that the search met, reported or not.
 std::size_t best_support(const Registration& result) {
@@ -71,8 +68,8 @@ LimitRecord parse_limit_row(std::string_view line) {
 
 double limit_outlier_ratio(std::size_t points, double chance_support, double fixed_support) {
   const auto n = static_cast<double>(points);
-  const double of_inliers = n * share_within_bound() - std::max(chance_support, 3.0);
-  const double per_ratio = n * share_within_bound() - fixed_support;
+  const double of_inliers = n * kShareWithinBound - std::max(chance_support, 3.0);
+  const double per_ratio = n * kShareWithinBound - fixed_support;
   if (of_inliers <= 0.0 || per_ratio <= 0.0) return 0.0;
   return std::min(1.0, of_inliers / per_ratio);
 }
