@@ -1,4 +1,4 @@
-# What makes a fault hard to exploit, at no cost that the studies and benchmarks show: a guard on stacks with arrays, checked copies,
+# What makes a fault hard to exploit, at no cost that a registration shows (docs/performance.md): a guard on stacks with arrays, checked copies,
 # and relocations that are read-only before main. Not in debug builds: checked copies need optimisation, and sanitizers replace them.
 option(CONSIMD_HARDEN "Build with stack protector, _FORTIFY_SOURCE and full RELRO" ON)
 set(hardening_compile_options -fstack-protector-strong -U_FORTIFY_SOURCE -D_FORTIFY_SOURCE=2)
