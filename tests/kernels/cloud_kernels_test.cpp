@@ -97,6 +97,55 @@ TEST_P(CloudKernels, NeighboursEqualTheSpecification) {
   });
 }
 
+/// The nearest points by sorting all.
+std::vector<std::pair<float, std::uint32_t>> sorted_by_distance(const detail::RawPoints& points, const float query[3],
+                                                                const std::vector<PointRun>& runs, float radius) {
+  std::vector<std::pair<float, std::uint32_t>> all;
+  for (const PointRun& run : runs) {
+    for (std::uint32_t i = run.first; i < run.last; ++i) {
+      const float x = points.points[0][i] - query[0], y = points.points[1][i] - query[1],
+                  z = points.points[2][i] - query[2];
+      const float squared = x * x + y * y + z * z;
+      if (squared <= radius * radius) all.emplace_back(squared, i);
+    }
+  }
+  std::sort(all.begin(), all.end());
+  return all;
+}
+
+TEST_P(CloudKernels, NearestEqualTheSpecification) {
+  for_every_point_cloud([&](const detail::RawPoints& points, RawCloud& cloud, float bound) {
+    const auto size = static_cast<std::uint32_t>(cloud.size());
+    const std::uint32_t middle = size == 0 ? 0 : cloud.any_index();
+    std::vector<PointRun> runs{{middle, size}, {middle, middle}, {0, middle}};  // not in order
+    const std::size_t most = 1 + cloud.random()() % 33;
+    float query[3] = {size == 0 ? 0.0f : points.points[0][middle], 0.125f * bound, 0.0f};
+    for (const float radius : {2.0f * bound, 8.0f * bound}) {
+      ExactArray<std::uint32_t> indices(most), expected(most);
+      ExactArray<float> squared(most), expected_squared(most);
+      const auto run = [&](const detail::CloudKernels& set, ExactArray<std::uint32_t>& rows, ExactArray<float>& d) {
+        return set.nearest_within(points, query, runs.data(), runs.size(), radius, most, rows.data(), d.data());
+      };
+      const std::size_t count = run(kernels(), indices, squared);
+      ASSERT_EQ(count, run(specification(), expected, expected_squared));
+      ASSERT_EQ(indices.values(), expected.values());
+      ASSERT_EQ(bits_of(squared.data(), most), bits_of(expected_squared.data(), most));
+
+      const auto all = sorted_by_distance(points, query, runs, radius);
+      ASSERT_EQ(count, std::min(most, all.size()));
+      for (std::size_t rank = 0; rank < count; ++rank) {
+        ASSERT_EQ(indices[rank], all[rank].second) << rank << " of " << most << ", size " << size;
+        ASSERT_EQ(squared[rank], all[rank].first);
+      }
+    }
+    query[1] = std::numeric_limits<float>::quiet_NaN();
+    std::uint32_t index = 7;
+    float distance = 7.0f;
+    ASSERT_EQ(kernels().nearest_within(points, query, runs.data(), runs.size(), bound, 1, &index, &distance), 0u);
+    ASSERT_EQ(index, 7u);
+  });
+}
+
 TEST_P(CloudKernels, ScattersEqualTheSpecification) {
   for_every_point_cloud([&](const detail::RawPoints& points, RawCloud& cloud, float bound) {
     const std::vector<std::uint32_t> indices = any_indices(cloud);
@@ -359,6 +408,21 @@ TEST(FixedPointDescriptors, NameWhatIsWrong) {
   }
   EXPECT_THROW(BestMatches(3, 9), std::invalid_argument);
   EXPECT_THROW(BestMatches(3, 0), std::invalid_argument);
+}
+
+TEST(Nearest, NameWhatIsWrong) {
+  const std::array<float, 6> points{0, 0, 0, 1, 0, 0};
+  const Cloud cloud(PointSpan<float>::interleaved(points.data(), 2));
+  const std::array<float, 3> query{0.0f, 0.0f, 0.0f};
+  std::array<std::uint32_t, 2> rows{};
+  std::array<float, 2> squared{};
+  const std::array<PointRun, 1> all{{{0, 2}}}, beyond{{{0, 3}}};
+  EXPECT_EQ(nearest_within(cloud, query, all, 0.6, rows, squared), 2u);
+  EXPECT_EQ(rows[0], 0u);  // both are as near
+  EXPECT_THROW(nearest_within(cloud, query, beyond, 0.6, rows, squared), std::out_of_range);
+  EXPECT_THROW(nearest_within(cloud, query, all, -1.0, rows, squared), std::invalid_argument);
+  EXPECT_THROW(nearest_within(cloud, query, all, 1.0, {}, {}), std::invalid_argument);
+  EXPECT_THROW(nearest_within(cloud, query, all, 1.0, rows, std::span(squared).first(1)), std::invalid_argument);
 }
 
 TEST(Cloud, LeavesOutRowsWithoutAPlace) {

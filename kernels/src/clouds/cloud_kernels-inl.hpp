@@ -11,6 +11,7 @@ namespace consimd::detail {
 template <typename Arch>
 inline constexpr CloudKernels kCloudKernels{
     .neighbours_within = neighbours_within<Arch>,
+    .nearest_within = nearest_within<Arch>,
     .neighbourhood_scatter = neighbourhood_scatter<Arch>,
     .principal_axes = principal_axes<Arch>,
     .pair_feature_counts = pair_feature_counts<Arch>,

@@ -41,6 +41,11 @@ struct CloudKernels {
   /// runs; indices, squared: room for all points of the runs and 16 more. Returns their number.
   std::size_t (*neighbours_within)(const RawPoints&, const float query[3], const PointRun* runs, std::size_t n,
                                    float radius, std::uint32_t* indices, float* squared);
+  /// The `most` nearest to `query` of the runs' points whose squared distance is at most the squared radius, ascending
+  /// by distance, then by index, whatever the order of the runs; most >= 1; indices, squared: `most` each. Returns
+  /// their number. Of a point that is in two runs there are two.
+  std::size_t (*nearest_within)(const RawPoints&, const float query[3], const PointRun* runs, std::size_t n,
+                                float radius, std::size_t most, std::uint32_t* indices, float* squared);
   /// scatter: xx, xy, xz, yy, yz, zz of the points about their mean, in units of `unit` squared; n >= 1.
   void (*neighbourhood_scatter)(const RawPoints&, const float centre[3], const std::uint32_t* indices, std::size_t n,
                                 float unit, float scatter[6]);
@@ -71,6 +76,8 @@ inline constexpr float kCosines[5] = {0.959492974f, 0.654860734f, 0.142314838f, 
 namespace scalar {
 std::size_t neighbours_within(const RawPoints&, const float query[3], const PointRun* runs, std::size_t n, float radius,
                               std::uint32_t* indices, float* squared);
+std::size_t nearest_within(const RawPoints&, const float query[3], const PointRun* runs, std::size_t n, float radius,
+                           std::size_t most, std::uint32_t* indices, float* squared);
 void neighbourhood_scatter(const RawPoints&, const float centre[3], const std::uint32_t* indices, std::size_t n,
                            float unit, float scatter[6]);
 void principal_axes(const float* const scatter[6], std::size_t n, float* const axes[3], float* const values[3]);
@@ -83,6 +90,7 @@ void best_matches(const RawDescriptors& queries, std::size_t first, std::size_t 
 
 inline constexpr CloudKernels kCloudKernels{
     .neighbours_within = neighbours_within,
+    .nearest_within = nearest_within,
     .neighbourhood_scatter = neighbourhood_scatter,
     .principal_axes = principal_axes,
     .pair_feature_counts = pair_feature_counts,

@@ -54,6 +54,58 @@ std::size_t neighbours_within(const RawPoints& cloud, const float query[3], cons
   return count;
 }
 
+/// The nearest points found so far, as in scalar.cpp.
+template <typename Arch>
+struct NearestList {
+  std::size_t most;
+  std::uint32_t* indices;
+  float* squared;
+  std::size_t count = 0;
+
+  bool full() const { return count == most; }
+
+  void enter(std::uint32_t index, float distance) {
+    if (full() && !nearer(index, distance, most - 1)) return;
+    std::size_t rank = full() ? most - 1 : count++;
+    for (; rank > 0 && nearer(index, distance, rank - 1); --rank) {
+      squared[rank] = squared[rank - 1];
+      indices[rank] = indices[rank - 1];
+    }
+    squared[rank] = distance;
+    indices[rank] = index;
+  }
+
+ private:
+  bool nearer(std::uint32_t index, float distance, std::size_t rank) const {
+    return distance < squared[rank] || (distance == squared[rank] && index < indices[rank]);
+  }
+};
+
+template <typename Arch>
+std::size_t nearest_within(const RawPoints& cloud, const float query[3], const PointRun* runs, std::size_t n,
+                           float radius, std::size_t most, std::uint32_t* indices, float* squared) {
+  const Vec3<Arch> q{Batch<Arch>(query[0]), Batch<Arch>(query[1]), Batch<Arch>(query[2])};
+  NearestList<Arch> nearest{most, indices, squared};
+  Batch<Arch> limit(radius * radius);
+  alignas(64) float lanes[kWidth<Arch>];
+  for (std::size_t r = 0; r < n; ++r) {
+    for (std::uint32_t i = runs[r].first; i < runs[r].last; i += static_cast<std::uint32_t>(kWidth<Arch>)) {
+      const Vec3<Arch> offset = load_unaligned<Arch>(cloud.points, i) - q;
+      const Batch<Arch> distance = dot(offset, offset);
+      // As near as the last of a full list counts: its index may be the higher one.
+      std::uint64_t bits = bitmask(distance <= limit) & lowest_bits<Arch>(runs[r].last - i);
+      if (bits == 0) continue;
+      distance.store_aligned(lanes);
+      for (; bits != 0; bits &= bits - 1) {
+        const auto lane = static_cast<std::uint32_t>(__builtin_ctzll(bits));
+        nearest.enter(i + lane, lanes[lane]);
+      }
+      if (nearest.full()) limit = Batch<Arch>(squared[most - 1]);
+    }
+  }
+  return nearest.count;
+}
+
 template <typename Arch>
 void neighbourhood_scatter(const RawPoints& cloud, const float centre[3], const std::uint32_t* indices, std::size_t n,
                            float unit, float scatter[6]) {

@@ -10,23 +10,46 @@
 
 namespace consimd {
 
-std::size_t neighbours_within(const CloudView& cloud, const std::array<float, 3>& query, std::span<const PointRun> runs,
-                              double radius, std::span<std::uint32_t> indices, std::span<float> squared_distances) {
-  const float length = detail::working_length(cloud, radius, "radius");
-  std::size_t candidates = 0;
+namespace {
+
+/// Throws std::out_of_range on a run beyond the cloud. Returns how many points the runs hold.
+std::size_t points_of(std::span<const PointRun> runs, const CloudView& cloud) {
+  std::size_t points = 0;
   for (const PointRun& run : runs) {
     if (run.first > run.last || run.last > cloud.size()) {
       throw std::out_of_range("run from " + std::to_string(run.first) + " to " + std::to_string(run.last) + " of " +
                               std::to_string(cloud.size()) + " points");
     }
-    candidates += run.last - run.first;
+    points += run.last - run.first;
   }
+  return points;
+}
+
+}  // namespace
+
+std::size_t neighbours_within(const CloudView& cloud, const std::array<float, 3>& query, std::span<const PointRun> runs,
+                              double radius, std::span<std::uint32_t> indices, std::span<float> squared_distances) {
+  const float length = detail::working_length(cloud, radius, "radius");
+  const std::size_t candidates = points_of(runs, cloud);
   if (indices.size() < candidates + kNeighbourSlack || squared_distances.size() < candidates + kNeighbourSlack) {
     throw std::invalid_argument("room for " + std::to_string(std::min(indices.size(), squared_distances.size())) +
                                 " neighbours, expected " + std::to_string(candidates + kNeighbourSlack));
   }
   return detail::active_table().clouds.neighbours_within(detail::raw_points(cloud), query.data(), runs.data(),
                                                          runs.size(), length, indices.data(), squared_distances.data());
+}
+
+std::size_t nearest_within(const CloudView& cloud, const std::array<float, 3>& query, std::span<const PointRun> runs,
+                           double radius, std::span<std::uint32_t> indices, std::span<float> squared_distances) {
+  const float length = detail::working_length(cloud, radius, "radius");
+  points_of(runs, cloud);
+  if (indices.empty() || indices.size() != squared_distances.size()) {
+    throw std::invalid_argument("room for " + std::to_string(indices.size()) + " indices and " +
+                                std::to_string(squared_distances.size()) +
+                                " distances, expected as many of both, one or more");
+  }
+  return detail::active_table().clouds.nearest_within(detail::raw_points(cloud), query.data(), runs.data(), runs.size(),
+                                                      length, indices.size(), indices.data(), squared_distances.data());
 }
 
 std::array<float, 6> neighbourhood_scatter(const CloudView& cloud, const std::array<float, 3>& centre,

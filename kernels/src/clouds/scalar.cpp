@@ -28,6 +28,31 @@ std::size_t neighbours_within(const RawPoints& cloud, const float query[3], cons
   return count;
 }
 
+std::size_t nearest_within(const RawPoints& cloud, const float query[3], const PointRun* runs, std::size_t n,
+                           float radius, std::size_t most, std::uint32_t* indices, float* squared) {
+  const Point q{query[0], query[1], query[2]};
+  std::size_t count = 0;
+  for (std::size_t r = 0; r < n; ++r) {
+    for (std::uint32_t i = runs[r].first; i < runs[r].last; ++i) {
+      const Point offset = at(cloud.points, i) - q;
+      const float distance = dot(offset, offset);
+      if (!(distance <= radius * radius)) continue;
+      const auto nearer = [&](std::size_t rank) {
+        return distance < squared[rank] || (distance == squared[rank] && i < indices[rank]);
+      };
+      if (count == most && !nearer(most - 1)) continue;
+      std::size_t rank = count < most ? count++ : most - 1;
+      for (; rank > 0 && nearer(rank - 1); --rank) {
+        squared[rank] = squared[rank - 1];
+        indices[rank] = indices[rank - 1];
+      }
+      squared[rank] = distance;
+      indices[rank] = i;
+    }
+  }
+  return count;
+}
+
 void neighbourhood_scatter(const RawPoints& cloud, const float centre[3], const std::uint32_t* indices, std::size_t n,
                            float unit, float scatter[6]) {
   const Point c{centre[0], centre[1], centre[2]};

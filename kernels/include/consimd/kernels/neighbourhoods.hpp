@@ -23,6 +23,15 @@ inline constexpr std::size_t kNeighbourSlack = 16;
 std::size_t neighbours_within(const CloudView& cloud, const std::array<float, 3>& query, std::span<const PointRun> runs,
                               double radius, std::span<std::uint32_t> indices, std::span<float> squared_distances);
 
+/// Finds the points p of the runs nearest to `query`, at most as many as `indices` has room for, among those with |p -
+/// query|^2 <= radius^2; ascending by distance, equally near ones by index, whatever the order of the runs. query: in
+/// the working frame; one with NaN has none. radius: in the caller's unit, finite and > 0. squared_distances: of the
+/// working frame, as long as `indices`; what lies beyond the result keeps its value. Returns the number of points
+/// found. Throws std::invalid_argument on a bad radius, no room or unequal lengths, std::out_of_range on a run beyond
+/// the cloud.
+std::size_t nearest_within(const CloudView& cloud, const std::array<float, 3>& query, std::span<const PointRun> runs,
+                           double radius, std::span<std::uint32_t> indices, std::span<float> squared_distances);
+
 /// sum (p - mean)(p - mean)^T over the points of a neighbourhood, as xx, xy, xz, yy, yz, zz, in units of radius^2.
 /// centre: the point, in the working frame, from which offsets are taken before they are rounded and summed. radius: in
 /// the caller's unit. Throws std::invalid_argument without indices or on a bad radius, std::out_of_range on a bad
