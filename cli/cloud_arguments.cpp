@@ -46,7 +46,7 @@ features::MatchOptions matches_of(const std::string& text) {
 bool CloudArguments::given() const {
   const CloudArguments defaults;
   return voxel || missing || keypoints != defaults.keypoints || matches != defaults.matches ||
-         !save_correspondences.empty();
+         !save_correspondences.empty() || refine || !save_aligned.empty();
 }
 
 void add_cloud_options(CLI::App& command, CloudArguments& arguments) {
@@ -66,6 +66,15 @@ void add_cloud_options(CLI::App& command, CloudArguments& arguments) {
       ->capture_default_str();
   command.add_option("--missing", arguments.missing,
                      "Of clouds: a point whose three coordinates are this number is none, as depth cameras write it");
+}
+
+void add_refinement_options(CLI::App& command, CloudArguments& arguments) {
+  command.add_option("--refine", arguments.refine,
+                     "Of clouds: refine the pose on their voxels by iterative closest points: distances to points "
+                     "(point), to the target's planes (plane), or between planes (gicp). The inliers and the verdict "
+                     "stay those of the correspondences");
+  command.add_option("--save-aligned", arguments.save_aligned,
+                     "Of clouds: write all points of SOURCE, moved by the pose if there is one, to this PLY file");
 }
 
 features::CloudMatchingOptions matching_options(const CloudArguments& arguments, std::uint64_t seed) {

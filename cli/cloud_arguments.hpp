@@ -17,6 +17,8 @@ struct CloudArguments {
   std::string matches = "mutual:3";
   std::optional<double> missing;
   std::string save_correspondences;
+  std::optional<std::string> refine;  ///< of `register` alone, as what follows
+  std::string save_aligned;
 
   /// Whether any of them was given.
   [[nodiscard]] bool given() const;
@@ -38,6 +40,9 @@ struct CloudPair {
 
 /// The matches as lines of six numbers, as `consimd register` reads them.
 [[nodiscard]] std::string correspondence_text(const features::CloudMatches& matches);
+
+/// The options of what happens once there is a pose.
+void add_refinement_options(CLI::App& command, CloudArguments& arguments);
 
 /// For people: what was chosen, and a line per stage.
 [[nodiscard]] std::string to_text(const features::CloudMatches& matches, const CloudArguments& arguments);

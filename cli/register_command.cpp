@@ -11,6 +11,8 @@
 
 #include <fmt/format.h>
 
+#include <consimd/features/cloud_files.hpp>
+#include <consimd/features/register_clouds.hpp>
 #include <consimd/kernels/alignment_residuals.hpp>
 #include <consimd/solvers/advice.hpp>
 #include <consimd/solvers/assumed_inliers.hpp>
@@ -56,7 +58,8 @@ void check(const Options& options) {
   }
   if (options.target.empty() && options.clouds.given()) {
     throw std::invalid_argument(
-        "--voxel, --keypoints, --matches, --missing and --save-correspondences are of two clouds, SOURCE and TARGET");
+        "--voxel, --keypoints, --matches, --missing, --save-correspondences, --refine and --save-aligned are of two "
+        "clouds, SOURCE and TARGET");
   }
   if (!options.target.empty() && options.estimate_scale) {
     throw std::invalid_argument("--estimate-scale: the descriptors of clouds need one unit in both");
@@ -65,10 +68,12 @@ void check(const Options& options) {
     throw std::invalid_argument("--assume-inliers: matches of clouds are never all right");
   }
   if (!options.clouds.save_correspondences.empty()) studies::require_replaceable(options.clouds.save_correspondences);
+  if (options.clouds.refine) static_cast<void>(features::parse_refinement_method(*options.clouds.refine));
   static_cast<void>(filter_by_name(options.filter));
   if (!options.json.empty() && options.json != "-") studies::require_replaceable(options.json);
   for (const auto& [name, file] :
-       {std::pair("--save-pose", options.save_pose), std::pair("--save-inliers", options.save_inliers)}) {
+       {std::pair("--save-pose", options.save_pose), std::pair("--save-inliers", options.save_inliers),
+        std::pair("--save-aligned", options.clouds.save_aligned)}) {
     if (file.empty()) continue;
     if (options.repeat != 1) throw std::invalid_argument(fmt::format("{}: writes one run, not --repeat of them", name));
     studies::require_replaceable(file);
@@ -95,8 +100,11 @@ std::string inlier_text(const Registration& run) {
   return text;
 }
 
-void save(const Options& options, const RegisterReport& report) {
+void save(const Options& options, const RegisterReport& report, const std::optional<Cloud>& source) {
   const Registration& run = report.runs.front();
+  if (!options.clouds.save_aligned.empty() && source && run.has_pose()) {
+    studies::replace_file(options.clouds.save_aligned, features::moved_ply(*source, run.T_target_source));
+  }
   if (!options.save_pose.empty() && run.has_pose()) {
     synth::write_pose(run.T_target_source, report.estimate_scale ? run.scale : 1.0, options.save_pose);
   }
@@ -117,20 +125,28 @@ Correspondences read_rows(const std::string& file) {
   }
 }
 
-/// The correspondences of the file, or those found between the clouds, which also give the noise bound.
-Correspondences load(const Options& options, RegisterReport& report) {
+/// The correspondences of the file, or those found between the clouds, which also give the noise bound. `source`: the
+/// source cloud where it is wanted later.
+Correspondences load(const Options& options, RegisterReport& report, std::optional<Cloud>& source) {
   if (options.target.empty()) return read_rows(options.file);
   const features::CloudMatchingOptions matching = matching_options(options.clouds, options.seed);
-  const CloudPair clouds = read_clouds(options.file, options.target, options.clouds);
+  CloudPair clouds = read_clouds(options.file, options.target, options.clouds);
   report.file += " and " + options.target;
   report.cloud_arguments = options.clouds;
   report.clouds =
       with_threads(options.threads, [&] { return features::match_clouds(clouds.source, clouds.target, matching); });
+  if (!options.clouds.save_aligned.empty()) source = std::move(clouds.source);
   if (!report.noise_bound) report.noise_bound = report.clouds->noise_bound;
   if (!options.clouds.save_correspondences.empty()) {
     studies::replace_file(options.clouds.save_correspondences, correspondence_text(*report.clouds));
   }
   return std::move(report.clouds->correspondences);
+}
+
+/// Refines the last run, if it has a pose.
+std::optional<features::Refinement> refined(RegisterReport& report, const std::string& method) {
+  if (!report.runs.back().has_pose()) return std::nullopt;
+  return features::refine_registration(*report.clouds, features::parse_refinement_method(method), report.runs.back());
 }
 
 int run_register(const Options& options) {
@@ -150,7 +166,8 @@ int run_register(const Options& options) {
     truth = report.estimate_scale ? synth::read_scaled_pose(options.truth)
                                   : synth::ScaledPose{synth::read_pose(options.truth)};
   }
-  const Correspondences correspondences = load(options, report);
+  std::optional<Cloud> source;
+  const Correspondences correspondences = load(options, report, source);
   report.correspondences = correspondences.size();
 
   with_threads(options.threads, [&] {
@@ -172,6 +189,7 @@ int run_register(const Options& options) {
                                                 .filter = report.filter,
                                                 .estimate_scale = options.estimate_scale}));
       if (report.notes.empty()) report.notes = advice(correspondences, report.runs.back());
+      if (options.clouds.refine) report.refinements.push_back(refined(report, *options.clouds.refine));
     }
   });
   if (truth) {
@@ -191,7 +209,7 @@ int run_register(const Options& options) {
   } else {
     studies::replace_file(options.json, to_json(report));
   }
-  save(options, report);
+  save(options, report, source);
   const bool all_found = std::all_of(report.runs.begin(), report.runs.end(), [](const Registration& run) {
     return run.has_pose() && run.status != Status::ambiguous;
   });
@@ -216,6 +234,7 @@ void add_register_command(CLI::App& app, Action& run) {
   add_cloud_options(*command, options->clouds);
   command->add_option("--save-correspondences", options->clouds.save_correspondences,
                       "Of clouds: write their matches to this file");
+  add_refinement_options(*command, options->clouds);
   command->add_option(
       "--noise-bound", options->noise_bound,
       "Largest distance of a true correspondence's target from the moved source, in the file's unit; about 3 "
@@ -257,6 +276,7 @@ void add_register_command(CLI::App& app, Action& run) {
       "Examples:\n"
       "  consimd register pair.txt                                           finds out how noisy it is\n"
       "  consimd register source.pcd target.pcd --voxel 0.3                  two scans\n"
+      "  consimd register a.bin b.bin --refine plane --save-aligned a_in_b.ply\n"
       "  consimd register pair.txt --noise-bound 0.6                         metres, lidar clouds of 0.3 m voxels\n"
       "  consimd register pair.txt --noise-bound 0.6 --repeat 50 --truth pose.txt\n"
       "  consimd register pair.txt --noise-bound 0.6 --json -                to the next program\n"

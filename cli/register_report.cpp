@@ -49,6 +49,19 @@ Json cloud_json(const features::CloudSummary& cloud) {
           {"resolution", std::isfinite(cloud.resolution) ? Json(cloud.resolution) : Json(nullptr)}};
 }
 
+Json refinement_json(const std::optional<features::Refinement>& refinement) {
+  if (!refinement) return nullptr;
+  return {{"status", to_string(refinement->status)},
+          {"iterations", refinement->iterations},
+          {"pairs", refinement->pairs},
+          {"inlier_share", refinement->inlier_share},
+          {"rmse", refinement->rmse},
+          {"residual_scale", refinement->residual_scale},
+          {"shared_errors", refinement->shared_errors},
+          {"max_distance", refinement->max_distance},
+          {"seconds", refinement->seconds}};
+}
+
 Json run_json(const RegisterReport& report, std::size_t index) {
   const Registration& run = report.runs[index];
   Json json = {{"seed", run.seed},
@@ -70,6 +83,7 @@ Json run_json(const RegisterReport& report, std::size_t index) {
     json["residuals"] = report.residuals;
     json["sigma"] = report.sigma;
   }
+  if (!report.refinements.empty()) json["refinement"] = refinement_json(report.refinements[index]);
   if (run.runner_up) {
     json["runner_up"] = {{"support", run.runner_up->support},
                          {"log10_false_poses", run.runner_up->log10_false_poses},
@@ -113,6 +127,14 @@ std::string run_text(const RegisterReport& report) {
     fmt::format_to(out, "by chance     10^{:.1f} poses of such support expected\n", run.log10_false_poses);
   }
   if (run.runner_up) fmt::format_to(out, "runner-up     another motion has {} inliers\n", run.runner_up->support);
+  if (!report.refinements.empty() && report.refinements.front()) {
+    const features::Refinement& refinement = *report.refinements.front();
+    fmt::format_to(out,
+                   "refinement    {} after {} steps: {} pairs within {:.4g}, {:.1f} % of the source, rmse {:.4g}{}\n",
+                   to_string(refinement.status), refinement.iterations, refinement.pairs, refinement.max_distance,
+                   100.0 * refinement.inlier_share, refinement.rmse,
+                   refinement.has_pose() ? "" : "; the pose is that of the correspondences");
+  }
   fmt::format_to(out, "time          {:.3f} ms\n", 1e3 * run.seconds);
   for (const PoseErrors& error : report.errors) {
     if (!run.has_pose()) break;
@@ -175,6 +197,11 @@ std::string summary_text(const RegisterReport& report) {
   if (report.estimate_scale) {
     fmt::format_to(out, "  scale       {:.10g}\n", median_of(runs, [](const Registration& run) { return run.scale; }));
   }
+  if (!report.refinements.empty()) {
+    const auto converged = std::count_if(report.refinements.begin(), report.refinements.end(),
+                                         [](const auto& refinement) { return refinement && refinement->has_pose(); });
+    fmt::format_to(out, "  refined     {} of the {} with a pose\n", converged, found);
+  }
   if (!report.errors.empty() && found > 0) {
     std::vector<PoseErrors> errors;
     for (std::size_t i = 0; i < runs.size(); ++i) {
@@ -232,6 +259,7 @@ std::string to_json(const RegisterReport& report) {
                       {"stages", stages_json(report.clouds->stages)}};
   }
   if (!report.options.empty()) head["options"] = options_json(report.options);
+  if (report.cloud_arguments.refine) head["refine"] = *report.cloud_arguments.refine;
   if (report.estimate_scale) head["estimate_scale"] = true;
   if (report.filter != Filter::none) head["filter"] = to_string(report.filter);
   if (report.assumed_inliers) head["assume_inliers"] = true;

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include <consimd/features/cloud_matching.hpp>
+#include <consimd/features/refinement.hpp>
 #include <consimd/solvers/registration.hpp>
 #include <consimd/solvers/solver.hpp>
 
@@ -33,7 +34,8 @@ struct RegisterReport {
   bool estimate_scale = false;
   std::optional<double> noise_bound = {};  ///< none: estimated in each run
   std::vector<Registration> runs = {};
-  std::vector<PoseErrors> errors = {};  ///< one per run, or none without a ground truth
+  std::vector<std::optional<features::Refinement>> refinements = {};  ///< one per run, or none that was not asked for
+  std::vector<PoseErrors> errors = {};                                ///< one per run, or none without a ground truth
   /// More rows are supported by the inverse of the given ground truth than by itself.
   bool truth_inverted = false;
   /// Sentences for people (see advice.hpp), of the first run that has any.

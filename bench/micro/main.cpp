@@ -12,6 +12,7 @@
 #include "clock_benchmark.hpp"
 #include "graph_benchmarks.hpp"
 #include "kernel_benchmarks.hpp"
+#include "refinement_benchmarks.hpp"
 #include "registration_benchmarks.hpp"
 
 namespace {
@@ -53,6 +54,7 @@ int main(int argc, char** argv) try {
   consimd::bench::register_clock_benchmark();
   consimd::bench::register_kernel_benchmarks();
   consimd::bench::register_graph_benchmarks();
+  consimd::bench::register_refinement_benchmarks();
   consimd::bench::register_registration_benchmarks();
   benchmark::RunSpecifiedBenchmarks();
   benchmark::Shutdown();

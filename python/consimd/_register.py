@@ -13,6 +13,8 @@ if TYPE_CHECKING:
     import numpy as np
     from numpy.typing import ArrayLike, NDArray
 
+    from consimd.features import Refinement
+
 
 class Status(str, enum.Enum):
     """Why a solver stopped. Members are strings: `result.status == "success"`."""
@@ -111,6 +113,8 @@ class Registration:
     geometry: str | None = None
     """"determined", or "collinear" or "coincident" where the points of a cloud leave a rotation free. With
     `assume_inliers` only."""
+    refinement: Refinement | None = None
+    """Of `register_clouds`, where it was asked for and there was a pose to start from."""
 
     @property
     def has_pose(self) -> bool:

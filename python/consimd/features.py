@@ -11,8 +11,9 @@ the same bits on any number of threads and any instruction set.
 
 from __future__ import annotations
 
+import enum
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING, Any, Literal, NamedTuple
 
 from consimd import _core
 from consimd._register import Stage
@@ -21,7 +22,20 @@ if TYPE_CHECKING:
     import numpy as np
     from numpy.typing import ArrayLike, NDArray
 
-__all__ = ["CloudMatches", "CloudSummary", "fpfh", "iss_keypoints", "match", "match_clouds", "normals", "voxel_grid"]
+__all__ = [
+    "CloudMatches",
+    "CloudSummary",
+    "Refinement",
+    "RefinementStatus",
+    "fpfh",
+    "iss_keypoints",
+    "match",
+    "match_clouds",
+    "nearest_neighbours",
+    "normals",
+    "refine",
+    "voxel_grid",
+]
 
 Viewpoint = tuple[float, float, float]
 _ORIGIN = (0.0, 0.0, 0.0)
@@ -58,6 +72,52 @@ class CloudMatches:
     hint: str
     """A sentence on what looks like a mistake, such as different units; empty as a rule."""
     stages: tuple[Stage, ...]
+
+
+class RefinementStatus(str, enum.Enum):
+    """Why a refinement stopped. Members are strings: `refined.status == "converged"`."""
+
+    CONVERGED = "converged"
+    """The last step was too small to matter."""
+    ITERATION_LIMIT = "iteration_limit"
+    """Steps were still larger after `max_iterations`."""
+    DEGENERATE_GEOMETRY = "degenerate_geometry"
+    """The pairs leave a motion free: one plane, a cylinder, a line."""
+    TOO_FEW_PAIRS = "too_few_pairs"
+    """Fewer than six source points have a target point within `max_distance`: no overlap."""
+
+    __str__ = str.__str__
+    __format__ = str.__format__
+
+
+@dataclass(frozen=True, eq=False)
+class Refinement:
+    """What `refine` found."""
+
+    status: RefinementStatus
+    pose: NDArray[np.float64]
+    """(4, 4), T_target_source; along directions that degenerate pairs leave free as it was at the start."""
+    covariance: NDArray[np.float64]
+    """(6, 6), as that of `Registration`. Zero unless converged."""
+    iterations: int
+    pairs: int
+    """Source voxels with a target voxel within `max_distance`, at the end."""
+    inlier_share: float
+    """Of the source's voxels."""
+    rmse: float
+    """Root mean square of the pairs' distances: to planes with "plane", else between points."""
+    residual_scale: float
+    """Robust deviation of what is made small."""
+    shared_errors: float
+    """By how much errors shared among neighbours enlarge the covariance."""
+    max_distance: float
+    """What was used: given, or chosen."""
+    seconds: float
+
+    @property
+    def has_pose(self) -> bool:
+        """Whether `pose` is better than the start: the status is converged."""
+        return self.status is RefinementStatus.CONVERGED
 
 
 def voxel_grid(points: ArrayLike, voxel: float, *, missing: float | None = None) -> NDArray[np.float64]:
@@ -125,6 +185,55 @@ def match(
 
     rows = [np.ascontiguousarray(descriptors, dtype=np.float32) for descriptors in (source, target)]
     return _core.match(rows[0], rows[1], best, mutual, ratio)
+
+
+def nearest_neighbours(
+    points: ArrayLike,
+    queries: ArrayLike,
+    most: int = 1,
+    *,
+    radius: float,
+    missing: float | None = None,
+    threads: int | None = None,
+) -> tuple[NDArray[np.int64], NDArray[np.float64]]:
+    """The at most `most` (1 to 64) nearest points within `radius` of each query: rows and distances, both (N, most).
+
+    Ascending by distance. Where there are fewer the rest are -1 and infinity. Rows count `points`.
+    """
+    return _core.nearest_neighbours(points, queries, most, radius, missing, threads)
+
+
+def refine(
+    source: ArrayLike,
+    target: ArrayLike,
+    pose: ArrayLike,
+    method: Literal["point", "plane", "gicp"] = "plane",
+    *,
+    voxel: float | None = None,
+    normal_radius: float = 2.0,
+    max_distance: float | None = None,
+    max_iterations: int = 50,
+    missing: float | None = None,
+    threads: int | None = None,
+) -> Refinement:
+    """Makes a pose, (4, 4), as exact as the clouds allow, by iterative closest points with Cauchy weights.
+
+    method: "point" makes distances between points small, "plane" those to the target's planes, "gicp" those between
+    planes (Segal 2009). voxel, normal_radius: as in `match_clouds`. max_distance: points whose nearest one is further away
+    are no pair; None: three times the mean resolution of the voxels. The start must bring most of the overlap to within
+    about that.
+
+    Never raises for want of a pose: the status says so. ValueError on a bad value. Ctrl-C raises KeyboardInterrupt at once.
+    """
+    return _refined(
+        source, target, pose, method, voxel, normal_radius, normal_radius, max_distance, max_iterations, missing, threads
+    )
+
+
+def _refined(source: ArrayLike, target: ArrayLike, *arguments: Any) -> Refinement:
+    fields = _core.refine(source, target, *arguments)
+    fields["status"] = RefinementStatus(fields["status"])
+    return Refinement(**fields)
 
 
 def match_clouds(

@@ -5,6 +5,7 @@
 #include <consimd/features/iss.hpp>
 #include <consimd/features/matching.hpp>
 #include <consimd/features/normals.hpp>
+#include <consimd/features/refinement.hpp>
 #include <consimd/features/voxel_grid.hpp>
 
 #include <algorithm>
@@ -177,6 +178,75 @@ nb::tuple match(const Descriptors& source, const Descriptors& target, std::size_
                         to_array(std::move(distances)));
 }
 
+nb::tuple nearest_neighbours(ArrayLike points, ArrayLike queries, std::size_t most, double radius,
+                             std::optional<double> missing, std::optional<int> threads) {
+  const auto cloud = std::make_shared<const Cloud>(cloud_from(points, "points", missing));
+  Points asked(queries, "queries");
+  asked.widen();
+  const PointSpan<double> span = asked.span<double>();
+  std::vector<std::array<double, 3>> places(span.size);
+  for (std::size_t k = 0; k < span.size; ++k) places[k] = {span(k, 0), span(k, 1), span(k, 2)};
+  checked_radius(radius);
+  const std::optional<int> limit = checked_threads(threads);
+  const auto found = interruptible_result<std::shared_ptr<features::NearestLists>>([=] {
+    return with_threads(limit, [&] {
+      const features::CellGrid grid(*cloud, radius);
+      features::NearestLists lists = features::nearest_neighbours(grid, places, most, radius);
+      for (std::uint32_t& row : lists.rows) {
+        if (row != features::NearestLists::kNone) row = cloud->input_row(grid.original(row));
+      }
+      return std::make_shared<features::NearestLists>(std::move(lists));
+    });
+  });
+  std::vector<std::int64_t> rows;
+  rows.reserve(found->rows.size());
+  for (const std::uint32_t row : found->rows) {
+    rows.push_back(row == features::NearestLists::kNone ? std::int64_t{-1} : std::int64_t{row});
+  }
+  return nb::make_tuple(to_array<Array<std::int64_t, -1, -1>>(std::move(rows), {places.size(), most}),
+                        to_array<Array<double, -1, -1>>(std::move(found->distances), {places.size(), most}));
+}
+
+nb::dict refine(ArrayLike source, ArrayLike target, ArrayLike pose, const std::string& method,
+                std::optional<double> voxel, double normal_radius, double cell_radius,
+                std::optional<double> max_distance, std::uint32_t max_iterations, std::optional<double> missing,
+                std::optional<int> threads) {
+  const auto source_cloud = std::make_shared<const Cloud>(cloud_from(source, "source", missing));
+  const auto target_cloud = std::make_shared<const Cloud>(cloud_from(target, "target", missing));
+  const RigidTransform start = transform_from(pose, "pose");
+  const features::RefinementOptions options{features::parse_refinement_method(method), max_distance, max_iterations};
+  const std::optional<int> limit = checked_threads(threads);
+  const auto result = interruptible_result<std::shared_ptr<features::Refinement>>([=] {
+    return with_threads(limit, [&] {
+      if (source_cloud->empty() || target_cloud->empty()) {
+        return std::make_shared<features::Refinement>(features::refine(*source_cloud, *target_cloud, start, options));
+      }
+      const double side =
+          voxel ? *voxel : std::max(features::choose_voxel(*source_cloud), features::choose_voxel(*target_cloud));
+      const auto prepared = [&](const Cloud& cloud) {
+        features::CellGrid grid(features::voxel_grid(cloud, side), std::max(normal_radius, cell_radius) * side);
+        features::estimate_normals(grid, {normal_radius * side, std::nullopt});
+        return grid;
+      };
+      return std::make_shared<features::Refinement>(
+          features::refine(prepared(*source_cloud).cloud(), prepared(*target_cloud).cloud(), start, options));
+    });
+  });
+  nb::dict fields;
+  fields["status"] = std::string(to_string(result->status));
+  fields["pose"] = to_array(result->T_target_source);
+  fields["covariance"] = to_array(result->covariance);
+  fields["iterations"] = result->iterations;
+  fields["pairs"] = result->pairs;
+  fields["inlier_share"] = result->inlier_share;
+  fields["rmse"] = result->rmse;
+  fields["residual_scale"] = result->residual_scale;
+  fields["shared_errors"] = result->shared_errors;
+  fields["max_distance"] = result->max_distance;
+  fields["seconds"] = result->seconds;
+  return fields;
+}
+
 nb::tuple summary(const features::CloudSummary& cloud) {
   return nb::make_tuple(cloud.points, cloud.left_out, cloud.voxels, cloud.descriptors, cloud.resolution);
 }
@@ -237,6 +307,11 @@ void bind_features(nb::module_& module) {
              nb::arg("viewpoint").none(), nb::arg("missing").none());
   module.def("match", &match, nb::arg("source"), nb::arg("target"), nb::arg("best"), nb::arg("mutual"),
              nb::arg("ratio"));
+  module.def("nearest_neighbours", &nearest_neighbours, nb::arg("points"), nb::arg("queries"), nb::arg("most"),
+             nb::arg("radius"), nb::arg("missing").none(), nb::arg("threads").none());
+  module.def("refine", &refine, nb::arg("source"), nb::arg("target"), nb::arg("pose"), nb::arg("method"),
+             nb::arg("voxel").none(), nb::arg("normal_radius"), nb::arg("cell_radius"), nb::arg("max_distance").none(),
+             nb::arg("max_iterations"), nb::arg("missing").none(), nb::arg("threads").none());
   module.def("match_clouds", &match_clouds, nb::arg("source"), nb::arg("target"), nb::arg("voxel").none(),
              nb::arg("normal_radius"), nb::arg("descriptor_radius"), nb::arg("keypoints").none(), nb::arg("iss"),
              nb::arg("iss_radius"), nb::arg("iss_suppression_radius"), nb::arg("best"), nb::arg("mutual"),

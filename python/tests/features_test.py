@@ -51,6 +51,58 @@ def test_register_clouds_is_that_of_the_command(scans, command, tmp_path):
     assert len(matches.distances) == said["correspondences"]
 
 
+def test_refined_registration_is_that_of_the_command(scans, command, tmp_path):
+    for name, points in zip(("a.npy", "b.npy"), scans):
+        np.save(tmp_path / name, points)
+    said = json.loads(command("register", tmp_path / "a.npy", tmp_path / "b.npy", "--voxel", 0.15, "--refine", "plane", "--json", "-"))
+    registration, matches = consimd.register_clouds(*scans, voxel=0.15, refine="plane")
+    refinement = registration.refinement
+    plain = consimd.register_clouds(*scans, voxel=0.15)
+    assert plain.registration.refinement is None
+    assert registration.pose.tolist() == said["runs"][0]["T_target_source"]
+    assert registration.covariance.tolist() == said["runs"][0]["covariance"]
+    assert refinement.status == said["runs"][0]["refinement"]["status"] == "converged"
+    assert registration.inliers.tolist() == plain.registration.inliers.tolist()
+    assert registration.stages[-1].name == "refine" and registration.stages[-1].output == refinement.pairs
+    np.testing.assert_allclose(registration.pose, POSE, atol=0.005)
+    assert np.abs(registration.pose - POSE).max() < np.abs(plain.registration.pose - POSE).max()
+
+
+@pytest.mark.parametrize("method", ["point", "plane", "gicp"])
+def test_refine_comes_near_the_truth(scans, method):
+    start = POSE.copy()
+    start[:3, 3] += 0.05
+    refined = features.refine(*scans, start, method, voxel=0.15, max_distance=0.3)
+    assert refined.has_pose and refined.status == "converged"
+    np.testing.assert_allclose(refined.pose, POSE, atol=0.02 if method == "point" else 0.005)
+    assert refined.covariance.shape == (6, 6) and refined.max_distance == 0.3
+    assert 0 < refined.inlier_share <= 1 and refined.pairs > 1000
+    assert features.refine(*scans, start, method, voxel=0.15, max_distance=0.3, threads=1).pose.tolist() == refined.pose.tolist()
+
+
+def test_refinement_without_overlap_has_a_status(scans):
+    away = np.eye(4)
+    away[0, 3] = 1000
+    refined = features.refine(*scans, away)
+    assert refined.status == "too_few_pairs" and not refined.has_pose
+    assert features.refine(np.zeros((0, 3)), scans[1], np.eye(4)).status == "too_few_pairs"
+    with pytest.raises(ValueError, match="expected one of point, plane, gicp"):
+        features.refine(*scans, away, "icp")
+
+
+def test_nearest_neighbours_are_the_nearest():
+    draw = np.random.default_rng(3)
+    points, queries = draw.random((500, 3)), draw.random((60, 3)) * 1.4 - 0.2
+    points[7] = np.nan
+    rows, distances = features.nearest_neighbours(points, queries, 5, radius=0.2)
+    every = np.linalg.norm(points[None] - queries[:, None], axis=2)
+    for query in range(60):
+        near = [row for row in np.argsort(every[query]) if every[query, row] <= 0.2][:5]
+        assert rows[query].tolist() == near + [-1] * (5 - len(near))
+        np.testing.assert_allclose(distances[query, : len(near)], every[query, near], atol=1e-6)
+        assert np.isinf(distances[query, len(near) :]).all()
+
+
 def test_the_stages_are_those_of_the_call(scans):
     voxels = [features.voxel_grid(scan, 0.3) for scan in scans]
     (source, source_rows), (target, target_rows) = (features.fpfh(v, 1.5, normal_radius=0.6) for v in voxels)

@@ -26,13 +26,13 @@ CPP_ALONE = {
     | {"read_text", "remove_abandoned_files"},
     # Files, the parts that match_clouds is made of, and what consimd.features calls normals.
     "features": {"read_cloud", "choose_voxel", "occupied_voxels", "random_subset", "radius_neighbours", "resolution",
-                 "estimate_normals"},
+                 "estimate_normals", "refine_registration", "parse_refinement_method", "to_string", "moved_ply"},
 }
 # Of Python alone: classes, and bit sets as masks.
 PYTHON_ALONE = {
     "kernels": {"ConsistencyMatrix", "Correspondences", "RigidFit", "RigidMoments", "pack_bits", "unpack_bits"},
     "synth": {"Problem"},
-    "features": {"CloudMatches", "CloudSummary", "normals"},
+    "features": {"CloudMatches", "CloudSummary", "Refinement", "RefinementStatus", "normals"},
 }
 RENAMED = {"T_target_source": "pose"}
 
@@ -88,7 +88,12 @@ def test_features_are_those_of_the_library():
     # Python has a distance in place of a match, and no Correspondences.
     names = set(members("CloudMatches", "features"))
     fields = {field.name for field in dataclasses.fields(consimd.features.CloudMatches)}
-    assert names - {"correspondences", "matches"} == fields - {"distances"}
+    assert names - {"correspondences", "matches", "source_voxels", "target_voxels"} == fields - {"distances"}
+    assert [field.name for field in dataclasses.fields(consimd.features.Refinement)] == members("Refinement", "features")
+    statuses = re.findall(r"^  (\w+),", body_of("enum class", "RefinementStatus", "features"), re.MULTILINE)
+    assert [status.value for status in consimd.features.RefinementStatus] == statuses
+    methods = re.findall(r"^  (\w+),", body_of("enum class", "RefinementMethod", "features"), re.MULTILINE)
+    assert inspect.get_annotations(consimd.features.refine)["method"] == f"Literal{json.dumps(methods)}"
     assert list(consimd.features.CloudSummary._fields) == members("CloudSummary", "features")
 
 
@@ -109,6 +114,11 @@ def test_defaults_of_features_are_those_of_the_library():
     for name in ("second_to_first", "third_to_second", "fewest_neighbours"):
         (value,) = re.findall(rf" {name} = ([\w.]+);", body_of("struct", "IssOptions", "features"))
         assert json.loads(value) == iss[name].default, name
+    refine = inspect.signature(consimd.features.refine).parameters
+    (value,) = re.findall(r" max_iterations = (\d+);", body_of("struct", "RefinementOptions", "features"))
+    assert json.loads(value) == refine["max_iterations"].default
+    assert refine["normal_radius"].default == parameters["normal_radius"].default
+    assert f"RefinementMethod::{refine['method'].default};" in body_of("struct", "RefinementOptions", "features")
     for name in ("source_viewpoint", "target_viewpoint"):
         assert parameters[name].default == (0.0, 0.0, 0.0)
 
@@ -133,6 +143,7 @@ def test_results_have_the_members_of_the_library():
     fields = lambda kind: [field.name for field in dataclasses.fields(kind)]
     own = {"correspondences", "solver", "filter"}  # what its caller knows
     own |= {"residuals", "sigma", "geometry"}  # of AssumedInliers
+    own |= {"refinement"}  # of CloudRegistration
     assert set(fields(consimd.Registration)) - own == set(members("Registration"))
     assert set(fields(consimd.RunnerUp)) == set(members("RunnerUp"))
     assert fields(consimd.Stage) == members("StageReport")

@@ -67,6 +67,46 @@ class Clouds(CommandTest):
         self.assertIn("noise bound 0.2,", text)
         self.assertIn("voxel         0.15, keypoints random:5000, matches mutual:3", text)
 
+    def test_refine(self):
+        source, target = self.clouds()
+        arguments = ("register", source, target, "--voxel", 0.15, "--truth", "pose.txt", "--json", "-")
+        plain = json.loads(self.run_command(*arguments))["runs"][0]
+        self.assertNotIn("refinement", plain)
+        for method in ("point", "plane", "gicp"):
+            result = json.loads(self.run_command(*arguments, "--refine", method, "--save-pose", "refined.txt"))
+            run = result["runs"][0]
+            self.assertEqual((result["refine"], run["refinement"]["status"]), (method, "converged"))
+            self.assertLess(run["translation_error"], plain["translation_error"])
+            self.assertLess(run["rotation_error_deg"], plain["rotation_error_deg"])
+            self.assertEqual((run["inliers"], run["status"]), (plain["inliers"], plain["status"]))
+            self.assertEqual(run["stages"][-1]["name"], "refine")
+            saved = [[float(x) for x in line.split()] for line in (self.folder / "refined.txt").read_text().splitlines()]
+            self.assertEqual(saved, run["T_target_source"])
+        text = self.run_command("register", source, target, "--voxel", 0.15, "--refine", "plane")
+        self.assertIn("refinement    converged after ", text)
+        self.assertIn("refined     2 of the 2", self.run_command(
+            "register", source, target, "--voxel", 0.15, "--refine", "plane", "--repeat", 2))
+        self.assert_error("register", source, target, "--refine", "icp",
+                          says="unknown refinement 'icp', expected one of point, plane, gicp")
+
+    def test_aligned_source(self):
+        source, target = self.clouds()
+        lines = (self.folder / target).read_text().splitlines()
+        (self.folder / "back.xyz").write_text("\n".join(lines[:5] + ["nan nan nan"] + lines[5:]) + "\n")
+        result = json.loads(self.run_command("register", "back.xyz", source, "--voxel", 0.15, "--json", "-",
+                                             "--save-aligned", "aligned.ply"))
+        pose = result["runs"][0]["T_target_source"]
+        header, data = (self.folder / "aligned.ply").read_bytes().split(b"end_header\n", 1)
+        self.assertIn(f"element vertex {len(lines) + 1}".encode(), header)
+        rows = [struct.unpack_from("<3d", data, 24 * row) for row in range(len(lines) + 1)]
+        self.assertEqual(len(data), 24 * len(rows))
+        self.assertTrue(all(math.isnan(x) for x in rows[5] + rows[-1]))
+        for row in (0, 4, 6, 1000):
+            p = [float(x) for x in lines[row if row < 5 else row - 1].split()]
+            for c in range(3):
+                self.assertAlmostEqual(rows[row][c], sum(pose[c][k] * p[k] for k in range(3)) + pose[c][3], places=5)
+        self.assert_error("register", "pose.txt", "--save-aligned", "a.ply", says="are of two clouds")
+
     def test_match_writes_what_register_reads(self):
         source, target = self.clouds()
         text = self.run_command("match", source, target, "--voxel", 0.15, "--out", "pair")

@@ -243,5 +243,28 @@ TEST_F(CloudFiles, SayWhatIsWrong) {
   EXPECT_TRUE(features::read_cloud(write("empty.xyz", "")).empty());
 }
 
+TEST(MovedPly, HasEveryRowMoved) {
+  Rows rows = kRows;
+  rows.insert(rows.begin() + 1, {std::nan(""), 0.0, 0.0});
+  for (auto& row : rows) row[0] += 5e6;
+  const Cloud cloud(PointSpan<double>::interleaved(rows.front().data(), rows.size()));
+  RigidTransform motion = RigidTransform::Identity();
+  motion.linear() << 0.0, -1.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0;
+  motion.translation() << 1.0, 2.0, 3.0;
+  const TemporaryFolder folder;
+  const auto path = folder / "moved.ply";
+  std::ofstream(path, std::ios::binary) << features::moved_ply(cloud, motion);
+  const Cloud read = features::read_cloud(path);
+  ASSERT_EQ(read.size(), kRows.size());
+  EXPECT_EQ(read.left_out(), 1u);
+  EXPECT_EQ(read.input_row(1), 2u);
+  for (std::size_t i = 0; i < kRows.size(); ++i) {
+    const auto p = read.point(i);
+    EXPECT_NEAR(p[0], 1.0 - kRows[i][1], 1e-3);
+    EXPECT_NEAR(p[1], 2.0 + 5e6 + kRows[i][0], 1e-3);
+    EXPECT_NEAR(p[2], 3.0 + kRows[i][2], 1e-3);
+  }
+}
+
 }  // namespace
 }  // namespace consimd::test

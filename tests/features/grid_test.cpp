@@ -9,6 +9,7 @@
 #include <cmath>
 #include <limits>
 #include <map>
+#include <random>
 
 #include "scene.hpp"
 
@@ -62,6 +63,50 @@ TEST(VoxelGrid, NamesABadVoxel) {
     EXPECT_THROW(static_cast<void>(features::voxel_grid(cloud, voxel)), std::invalid_argument) << voxel;
   }
   EXPECT_TRUE(features::voxel_grid(Cloud(), 1.0).empty());
+}
+
+TEST(CellGrid, FindsTheNearestOfAnyPlace) {
+  std::mt19937 random(4);
+  for (const std::size_t size : {0u, 1u, 2u, 50u, 3000u}) {
+    const CellGrid grid(cloud_of(room(size, 7)), 0.6);
+    // inside, beside and far outside of the cloud, in no order
+    Points queries = room(150, 8);
+    for (int k = 0; k < 200; ++k)
+      queries.push_back({7.0 * uniform(random), 7.0 * uniform(random), 4.0 * uniform(random)});
+    queries.push_back({1e9, 0.0, 0.0});
+    queries.push_back({0.0, -1e300, std::nan("")});
+    for (const std::size_t most : {1u, 2u, 7u, 32u}) {
+      const double radius = most == 2 ? 0.6 : 0.45;
+      const features::NearestLists lists = features::nearest_neighbours(grid, queries, most, radius);
+      ASSERT_EQ(lists.rows.size(), most * queries.size());
+      for (std::size_t k = 0; k < queries.size(); ++k) {
+        std::vector<double> expected;
+        for (std::size_t j = 0; j < grid.size(); ++j) {
+          const auto q = grid.cloud().point(j);
+          const double distance = std::hypot(q[0] - queries[k][0], q[1] - queries[k][1], q[2] - queries[k][2]);
+          if (distance <= radius) expected.push_back(distance);
+        }
+        std::sort(expected.begin(), expected.end());
+        expected.resize(most, std::numeric_limits<double>::infinity());
+        for (std::size_t rank = 0; rank < most; ++rank) {
+          const std::uint32_t row = lists.rows[k * most + rank];
+          const double distance = lists.distances[k * most + rank];
+          ASSERT_EQ(row == features::NearestLists::kNone, std::isinf(expected[rank])) << k << " " << rank;
+          if (std::isinf(expected[rank])) {
+            EXPECT_TRUE(std::isinf(distance));
+            continue;
+          }
+          EXPECT_NEAR(distance, expected[rank], 1e-5);
+          const auto q = grid.cloud().point(row);
+          EXPECT_NEAR(distance, std::hypot(q[0] - queries[k][0], q[1] - queries[k][1], q[2] - queries[k][2]), 1e-5);
+        }
+      }
+    }
+  }
+  const CellGrid grid(cloud_of(room(50, 7)), 0.6);
+  EXPECT_THROW(static_cast<void>(features::nearest_neighbours(grid, {}, 1, 0.7)), std::invalid_argument);
+  EXPECT_THROW(static_cast<void>(features::nearest_neighbours(grid, {}, 0, 0.5)), std::invalid_argument);
+  EXPECT_THROW(static_cast<void>(features::nearest_neighbours(grid, {}, 65, 0.5)), std::invalid_argument);
 }
 
 TEST(CellGrid, FindsAllNeighbours) {

@@ -1,10 +1,12 @@
 #include <consimd/features/cloud_files.hpp>
 
+#include <bit>
 #include <cerrno>
 #include <cstddef>
 #include <cstdint>
 #include <fstream>
 #include <iostream>
+#include <limits>
 #include <string>
 #include <system_error>
 
@@ -69,6 +71,30 @@ Cloud read_cloud(const std::filesystem::path& path, std::optional<double> missin
         !what.empty() && what[0] >= '0' && what[0] <= '9' && what.find(": ") == what.find_first_not_of("0123456789");
     throw std::runtime_error(path.string() + (has_line ? ":" : ": ") + what);
   }
+}
+
+std::string moved_ply(const Cloud& cloud, const RigidTransform& motion) {
+  const std::size_t rows = cloud.size() + cloud.left_out();
+  std::string text = "ply\nformat binary_little_endian 1.0\nelement vertex " + std::to_string(rows) +
+                     "\nproperty double x\nproperty double y\nproperty double z\nend_header\n";
+  const std::size_t begin = text.size();
+  text.resize(begin + 24 * rows);
+  const auto write = [&](std::size_t row, const Eigen::Vector3d& p) {
+    for (std::size_t c = 0; c < 3; ++c) {
+      auto bits = std::bit_cast<std::uint64_t>(p[static_cast<Eigen::Index>(c)]);
+      for (std::size_t byte = 0; byte < 8; ++byte, bits >>= 8U) {
+        text[begin + 24 * row + 8 * c + byte] = static_cast<char>(static_cast<unsigned char>(bits & 0xffU));
+      }
+    }
+  };
+  if (cloud.left_out() > 0) {
+    const Eigen::Vector3d nowhere = Eigen::Vector3d::Constant(std::numeric_limits<double>::quiet_NaN());
+    for (std::size_t row = 0; row < rows; ++row) write(row, nowhere);
+  }
+  for (std::size_t i = 0; i < cloud.size(); ++i) {
+    write(cloud.input_row(i), motion * Eigen::Vector3d(cloud.point(i).data()));
+  }
+  return text;
 }
 
 }  // namespace consimd::features

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 #include <stdexcept>
+#include <string>
 
 #include "grid/cell_keys.hpp"
 #include "grid/neighbourhoods.hpp"
@@ -14,6 +15,8 @@ CellGrid::CellGrid(const Cloud& cloud, double cell) : cell_(cell) {
   // A little more than asked for, so that rounding takes no neighbour at the very radius beyond the next cell.
   const detail::CellKeys key_of(cloud, (1.0 + 1e-5) * cell, "cell");
   strides_ = key_of.strides();
+  low_ = key_of.low();
+  per_length_ = key_of.per_length();
   std::vector<std::uint64_t> keys(cloud.size());
   for (std::size_t i = 0; i < keys.size(); ++i) keys[i] = key_of(i);
   order_ = detail::sorting_order(keys);
@@ -44,6 +47,36 @@ NeighbourLists radius_neighbours(const CellGrid& grid, std::span<const std::uint
     }
     lists.starts.push_back(lists.rows.size());
   }
+  return lists;
+}
+
+NearestLists nearest_neighbours(const CellGrid& grid, std::span<const std::array<double, 3>> queries, std::size_t most,
+                                double radius) {
+  detail::require_radius(grid, radius, "radius");
+  constexpr std::size_t kMost = 64;
+  if (most < 1 || most > kMost) {
+    throw std::invalid_argument("most is " + std::to_string(most) + ", expected 1 to " + std::to_string(kMost));
+  }
+  NearestLists lists{most, std::vector<std::uint32_t>(most * queries.size(), NearestLists::kNone),
+                     std::vector<double>(most * queries.size(), std::numeric_limits<double>::infinity())};
+  constexpr std::size_t kPart = 256;
+  const CloudView cloud = grid.cloud().view();
+  const auto part = [&](std::size_t begin, std::size_t end) {
+    detail::CellWalk walk(grid);
+    std::array<float, kMost> squared;
+    for (std::size_t k = begin; k < end; ++k) {
+      const std::array<double, 3> p = grid.cloud().to_working_frame(queries[k]);
+      const std::array<float, 3> query{static_cast<float>(p[0]), static_cast<float>(p[1]), static_cast<float>(p[2])};
+      const std::size_t count =
+          nearest_within(cloud, query, walk.runs_within(query, radius), radius,
+                         std::span(lists.rows).subspan(k * most, most), std::span(squared).first(most));
+      for (std::size_t rank = 0; rank < count; ++rank) {
+        lists.distances[k * most + rank] = std::sqrt(static_cast<double>(squared[rank])) / cloud.scale();
+      }
+    }
+  };
+  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, queries.size(), kPart),
+                    [&](const tbb::blocked_range<std::size_t>& range) { part(range.begin(), range.end()); });
   return lists;
 }
 

@@ -26,6 +26,9 @@ class CellKeys {
     return key;
   }
 
+  /// The cloud's lowest coordinates and the cubes per unit of length, working frame.
+  [[nodiscard]] const std::array<double, 3>& low() const noexcept { return low_; }
+  [[nodiscard]] double per_length() const noexcept { return per_length_; }
   /// What is added to a key to come to the next cube along an axis.
   [[nodiscard]] const std::array<std::uint64_t, 3>& strides() const noexcept { return strides_; }
 

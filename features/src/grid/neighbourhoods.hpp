@@ -15,20 +15,25 @@
 
 namespace consimd::features::detail {
 
-/// The runs of points around one cell after another, with ascending cells.
+/// The runs of points around one place after another, fastest where each is near the last.
 class CellWalk {
  public:
-  explicit CellWalk(const CellGrid& grid) : grid_(grid) {}
+  explicit CellWalk(const CellGrid& grid);
 
-  /// The points of the 27 cells around an occupied one that are not further behind than the last; valid until the next
-  /// call. Runs that meet are joined.
+  /// The points of the 27 cells around an occupied one; valid until the next call. Runs that meet are joined.
   std::span<const PointRun> runs_around(std::size_t cell);
 
-  /// How many points the last runs hold.
+  /// The points of the cells that are within a radius, at most a cell, of any point of the working frame; valid until
+  /// the next call of this function.
+  std::span<const PointRun> runs_within(const std::array<float, 3>& point, double radius);
+
+  /// How many points the last runs around a cell hold.
   [[nodiscard]] std::size_t points() const noexcept { return points_; }
 
  private:
   const CellGrid& grid_;
+  double cell_per_length_;            // of the working frame
+  std::array<double, 3> furthest_{};  // cells along each axis that can be next to one of the cloud's
   // for each of the nine rows of cells, where its three cells begin and end
   std::array<std::size_t, 9> begins_{};
   std::array<std::size_t, 9> ends_{};

@@ -6,6 +6,7 @@
 #include <chrono>
 #include <cmath>
 #include <cstdio>
+#include <memory>
 #include <stdexcept>
 #include <utility>
 
@@ -236,6 +237,8 @@ CloudMatches match_clouds(const Cloud& source, const Cloud& target, const CloudM
   });
   result.noise_bound = noise_bound_of(result);
   take_points(of_source, of_target, result);
+  result.source_voxels = std::make_shared<const CellGrid>(std::move(*of_source.grid));
+  result.target_voxels = std::make_shared<const CellGrid>(std::move(*of_target.grid));
   return result;
 }
 

@@ -39,6 +39,11 @@ class CellGrid {
   [[nodiscard]] std::uint32_t first(std::size_t cell) const noexcept { return firsts_[cell]; }
   /// What is added to a key to come to the next cell along an axis.
   [[nodiscard]] const std::array<std::uint64_t, 3>& strides() const noexcept { return strides_; }
+  /// How many cells a coordinate of the working frame lies beyond the lowest one of the cloud; the key of a place
+  /// within the cloud is the sum of the strides times the whole cells and one.
+  [[nodiscard]] double cells_along(std::size_t axis, float coordinate) const noexcept {
+    return (static_cast<double>(coordinate) - low_[axis]) * per_length_;
+  }
 
  private:
   double cell_;
@@ -47,6 +52,8 @@ class CellGrid {
   std::vector<std::uint64_t> keys_;
   std::vector<std::uint32_t> firsts_;
   std::array<std::uint64_t, 3> strides_{};
+  std::array<double, 3> low_{};
+  double per_length_ = 0.0;
 };
 
 /// Neighbours of some points: those of rows[k] are entries starts[k] to starts[k + 1] - 1.
@@ -61,6 +68,21 @@ struct NeighbourLists {
 /// ascend, std::out_of_range on a bad row.
 [[nodiscard]] NeighbourLists radius_neighbours(const CellGrid& grid, std::span<const std::uint32_t> rows,
                                                double radius);
+
+/// The nearest points of a cloud to each of some queries, `most` entries a query: ascending by distance, equally near
+/// ones by row; where fewer are within the radius the rest are kNone and infinity.
+struct NearestLists {
+  static constexpr std::uint32_t kNone = 0xffffffff;
+  std::size_t most = 0;
+  std::vector<std::uint32_t> rows;  ///< of grid.cloud()
+  std::vector<double> distances;    ///< caller's unit
+};
+
+/// The at most `most` nearest points within `radius` (caller's unit, at most the grid's cell) of each of `queries`,
+/// which need not be points of the cloud; caller's frame. A query that is not finite has none. In parallel. Throws
+/// std::invalid_argument on a bad radius or unless `most` is between 1 and 64.
+[[nodiscard]] NearestLists nearest_neighbours(const CellGrid& grid, std::span<const std::array<double, 3>> queries,
+                                              std::size_t most, double radius);
 
 /// Distance from a point to its nearest neighbour, the median over up to 2000 points evenly spread over the rows, in
 /// the caller's unit: the paper's resolution of a cloud. Infinite where half of them or more have no neighbour within a

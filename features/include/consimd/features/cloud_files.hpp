@@ -1,11 +1,13 @@
-// Clouds from files.
+// Clouds from files and into files.
 #pragma once
 
 #include <filesystem>
 #include <optional>
+#include <string>
 
 #include <consimd/kernels/cloud.hpp>
 #include <consimd/kernels/export.hpp>
+#include <consimd/poses/rigid_fit.hpp>
 
 namespace consimd {
 namespace CONSIMD_EXPORT features {
@@ -21,6 +23,10 @@ namespace CONSIMD_EXPORT features {
 /// `missing`: see Cloud. "-" reads the standard input. Throws std::runtime_error "FILE: what" (of text "FILE:LINE:
 /// what") on a file that cannot be read or is damaged: a header that promises more than there is reserves no memory.
 [[nodiscard]] Cloud read_cloud(const std::filesystem::path& path, std::optional<double> missing = std::nullopt);
+
+/// The points of a cloud under a motion as a binary little-endian PLY file of doubles, a vertex for each row that was
+/// given to the cloud's constructor, in their order: NaN where a row had no place.
+[[nodiscard]] std::string moved_ply(const Cloud& cloud, const RigidTransform& motion);
 
 }  // namespace features
 }  // namespace consimd

@@ -4,10 +4,12 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
 
+#include <consimd/features/cell_grid.hpp>
 #include <consimd/features/matching.hpp>
 #include <consimd/kernels/cloud.hpp>
 #include <consimd/kernels/correspondences.hpp>
@@ -57,6 +59,9 @@ struct CloudMatches {
   std::vector<Match> matches;
   CloudSummary source;
   CloudSummary target;
+  /// The voxels of both with their normals: what a pose is refined on.
+  std::shared_ptr<const CellGrid> source_voxels;
+  std::shared_ptr<const CellGrid> target_voxels;
   double voxel = 0.0;  ///< used
   /// The noise bound to register with, tau: three times the mean of the two resolutions; of the voxel, where these are
   /// not finite or 0.

@@ -5,6 +5,7 @@
 #include <string>
 
 #include <consimd/features/cloud_matching.hpp>
+#include <consimd/features/refinement.hpp>
 #include <consimd/kernels/export.hpp>
 #include <consimd/solvers/registration.hpp>
 
@@ -18,14 +19,24 @@ struct CloudRegistrationOptions {
   /// A solver's name, with options if need be: see SolverChoice.
   std::string solver = "tcf";
   std::uint64_t seed = 1;
+  /// How the pose is refined on the clouds, if at all (see refinement.hpp).
+  std::optional<RefinementMethod> refine = std::nullopt;
 };
 
 struct CloudRegistration {
   CloudMatches matches;
   Registration registration;  ///< inliers are rows of matches.correspondences
+  /// Where it was asked for and there was a pose to start from.
+  std::optional<Refinement> refinement = std::nullopt;
 };
 
-/// `match_clouds`, then `register_by_name`. Throws std::invalid_argument as these do.
+/// Refines the pose of a registration, which must have one, on the voxels of its clouds, within its noise bound. Where
+/// that converges the registration gets the refined pose and its covariance; status, inliers and significance stay
+/// those of the correspondences. Adds the stage "refine": source voxels, pairs, iterations.
+Refinement refine_registration(const CloudMatches& matches, RefinementMethod method, Registration& registration);
+
+/// `match_clouds`, then `register_by_name`, then, if asked for, `refine_registration`. Throws std::invalid_argument as
+/// these do.
 [[nodiscard]] CloudRegistration register_clouds(const Cloud& source, const Cloud& target,
                                                 const CloudRegistrationOptions& options = {});
 

@@ -1,0 +1,237 @@
+#include <consimd/features/refinement.hpp>
+
+#include <algorithm>
+#include <array>
+#include <chrono>
+#include <cmath>
+#include <stdexcept>
+#include <string>
+#include <utility>
+
+#include <Eigen/Eigenvalues>
+#include <Eigen/Geometry>
+
+#include <consimd/features/cell_grid.hpp>
+
+#include "grid/box.hpp"
+#include "refinement/closest_pairs.hpp"
+#include "refinement/normal_equations.hpp"
+#include "refinement/refined_covariance.hpp"
+
+namespace consimd::features {
+namespace {
+
+using detail::Matrix6d;
+using detail::NormalEquations;
+using detail::PairTerms;
+using detail::Vector6d;
+
+constexpr std::array kMethods{std::pair("point", RefinementMethod::point), std::pair("plane", RefinementMethod::plane),
+                              std::pair("gicp", RefinementMethod::gicp)};
+
+// The square of the sine of five degrees, about the error of a normal of a noisy neighbourhood: what pairs tell of a
+// direction is no more than their normals' errors where it is less than this share of what they tell of all three.
+constexpr double kLeastShare = 0.0076;
+// A step is too small to matter where it moves the points by less than this share of the residuals' deviation.
+constexpr double kSmallStep = 1e-2;
+constexpr std::size_t kFewestPairs = 6;
+
+void check(const Cloud& source, const Cloud& target, const RigidTransform& start, const RefinementOptions& options) {
+  if (options.max_distance && !(std::isfinite(*options.max_distance) && *options.max_distance > 0.0)) {
+    throw std::invalid_argument("max_distance is " + std::to_string(*options.max_distance) +
+                                ", expected a finite length above 0");
+  }
+  if (options.max_iterations < 1) throw std::invalid_argument("max_iterations is 0, expected 1 or more");
+  if (!start.matrix().allFinite()) throw std::invalid_argument("the start of a refinement is not finite");
+  const bool of_target = options.method != RefinementMethod::point;
+  const bool of_source = options.method == RefinementMethod::gicp;
+  for (const auto& [name, cloud, needed] :
+       {std::tuple("target", &target, of_target), std::tuple("source", &source, of_source)}) {
+    if (needed && !cloud->empty() && !cloud->view().has_normals()) {
+      throw std::invalid_argument(std::string("the ") + name + " cloud has no normals, which refinement by " +
+                                  std::string(to_string(options.method)) + " needs: estimate them first");
+    }
+  }
+}
+
+/// A step of Gauss-Newton in the directions that the pairs determine.
+struct Step {
+  Eigen::Vector3d turn;
+  Eigen::Vector3d shift;
+  double size;  ///< root mean square motion of the points, working frame
+  bool determined;
+};
+
+Step step_of(const NormalEquations& sums) {
+  // Rotations in units in which they move the points as far as translations do.
+  const double reach = std::sqrt(sums.spread / sums.weight);
+  Vector6d unit;
+  unit << Eigen::Vector3d::Constant(reach > 0.0 ? 1.0 / reach : 1.0), Eigen::Vector3d::Ones();
+  const Matrix6d whole = sums.normal.selfadjointView<Eigen::Lower>();
+  const double information = whole.bottomRightCorner<3, 3>().trace();  // of all directions together
+  const Matrix6d scaled = unit.asDiagonal() * whole * unit.asDiagonal() / information;
+  const Eigen::SelfAdjointEigenSolver<Matrix6d> axes(scaled);
+  const Vector6d along = axes.eigenvectors().transpose() * (unit.asDiagonal() * sums.score / information);
+  Vector6d solved = Vector6d::Zero();
+  bool determined = true;
+  for (int k = 0; k < 6; ++k) {
+    if (axes.eigenvalues()[k] > kLeastShare) {
+      solved[k] = -along[k] / axes.eigenvalues()[k];
+    } else {
+      determined = false;
+    }
+  }
+  const Vector6d step = axes.eigenvectors() * solved;
+  return {unit[0] * step.head<3>(), step.tail<3>(), step.norm(), determined};
+}
+
+/// The motion by a step about `centre`, caller's frame of the target.
+RigidTransform motion_of(const Step& step, const Eigen::Vector3d& centre, double scale) {
+  const double angle = step.turn.norm();
+  const Eigen::Matrix3d rotation = angle > 0.0 ? Eigen::AngleAxisd(angle, step.turn / angle).toRotationMatrix()
+                                               : Eigen::Matrix3d(Eigen::Matrix3d::Identity());
+  RigidTransform motion = RigidTransform::Identity();
+  motion.linear() = rotation;
+  motion.translation() = centre + step.shift / scale - rotation * centre;
+  return motion;
+}
+
+Eigen::Matrix3d orthonormal(const Eigen::Matrix3d& rotation) {
+  return Eigen::Quaterniond(rotation).normalized().toRotationMatrix();
+}
+
+/// From (omega, tau) about a centre in the working frame to (theta, dt) of a pose.
+PoseCovariance to_pose_covariance(const Matrix6d& covariance, const RigidTransform& pose, const Eigen::Vector3d& centre,
+                                  double scale) {
+  // dt = tau + omega x (t - centre).
+  const Eigen::Vector3d arm = pose.translation() - centre;
+  Matrix6d jacobian = Matrix6d::Identity();
+  jacobian.bottomLeftCorner<3, 3>() << 0.0, arm[2], -arm[1], -arm[2], 0.0, arm[0], arm[1], -arm[0], 0.0;
+  jacobian.bottomRightCorner<3, 3>() /= scale;
+  const Matrix6d moved = jacobian * covariance * jacobian.transpose();
+  return 0.5 * (moved + moved.transpose());
+}
+
+Eigen::Vector3d centre_of(const detail::ClosestPairs& pairs) {
+  Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+  std::size_t count = 0;
+  for (std::size_t i = 0; i < pairs.size(); ++i) {
+    if (pairs.target_row(i) == detail::ClosestPairs::kNone) continue;
+    sum += pairs.moved(i);
+    ++count;
+  }
+  return count == 0 ? sum : Eigen::Vector3d(sum / static_cast<double>(count));
+}
+
+/// The resolution of a cloud of any density, caller's unit; its length where all points are alone, 0 of one place.
+double resolution_of(const Cloud& cloud) {
+  const detail::Box box = detail::box_around(cloud);
+  double length = 0.0;
+  for (std::size_t c = 0; c < 3; ++c) {
+    length = std::max(length, static_cast<double>(box.high[c]) - static_cast<double>(box.low[c]));
+  }
+  length /= cloud.scale();
+  // That of points spread evenly over a square, or more where most have no neighbour so near.
+  for (double cell = 2.0 * length / std::sqrt(static_cast<double>(cloud.size())); cell < length; cell *= 2.0) {
+    const double found = resolution(CellGrid(cloud, cell));
+    if (std::isfinite(found)) return found;
+  }
+  return length;
+}
+
+double default_max_distance(const Cloud& source, const Cloud& target) {
+  constexpr double kResolutions = 3.0;
+  const double mean = (resolution_of(source) + resolution_of(target)) / 2.0;
+  return mean > 0.0 ? kResolutions * mean : 1.0;
+}
+
+}  // namespace
+
+std::string_view to_string(RefinementMethod method) noexcept {
+  for (const auto& [name, value] : kMethods) {
+    if (value == method) return name;
+  }
+  return "";
+}
+
+RefinementMethod parse_refinement_method(std::string_view name) {
+  std::string names;
+  for (const auto& [known, method] : kMethods) {
+    if (known == name) return method;
+    names += (names.empty() ? "" : ", ") + std::string(known);
+  }
+  throw std::invalid_argument("unknown refinement '" + std::string(name) + "', expected one of " + names);
+}
+
+std::string_view to_string(RefinementStatus status) noexcept {
+  switch (status) {
+    case RefinementStatus::converged:
+      return "converged";
+    case RefinementStatus::iteration_limit:
+      return "iteration_limit";
+    case RefinementStatus::degenerate_geometry:
+      return "degenerate_geometry";
+    case RefinementStatus::too_few_pairs:
+      break;
+  }
+  return "too_few_pairs";
+}
+
+Refinement refine(const Cloud& source, const Cloud& target, const RigidTransform& start,
+                  const RefinementOptions& options) {
+  const auto began = std::chrono::steady_clock::now();
+  check(source, target, start, options);
+  Refinement result;
+  result.T_target_source = start;
+  const auto ended = [&]() -> Refinement& {
+    result.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - began).count();
+    return result;
+  };
+  if (source.empty() || target.empty()) return ended();
+  result.max_distance = options.max_distance ? *options.max_distance : default_max_distance(source, target);
+
+  // Cells reach further than pairs do, so that a point without one need not be looked for again at each small step.
+  constexpr double kReach = 1.25;
+  const CellGrid grid(target, kReach * result.max_distance);
+  const CloudView target_view = grid.cloud().view();
+  const double unit = grid.cloud().scale();
+  const Eigen::Vector3d origin = Eigen::Map<const Eigen::Vector3d>(grid.cloud().origin().data());
+  detail::ClosestPairs pairs(source, grid, result.max_distance, start);
+  pairs.move(start);
+  const Eigen::Vector3d centre = centre_of(pairs);
+  const Eigen::Vector3d caller_centre = origin + centre / unit;
+  NormalEquations sums;
+  for (;;) {
+    const PairTerms terms(pairs, source, target_view, options.method, result.T_target_source.linear(), centre);
+    const double scale = terms.scale();
+    sums = terms.sum(scale);
+    result.pairs = sums.pairs;
+    if (sums.pairs < kFewestPairs) {
+      result.status = RefinementStatus::too_few_pairs;
+      break;
+    }
+    result.rmse = std::sqrt(sums.squared_length / static_cast<double>(sums.pairs)) / unit;
+    result.residual_scale = scale / unit;
+    const Step step = step_of(sums);
+    const bool small = step.size <= kSmallStep * scale;
+    if (small || result.iterations == options.max_iterations) {
+      result.status = !step.determined ? RefinementStatus::degenerate_geometry
+                      : small          ? RefinementStatus::converged
+                                       : RefinementStatus::iteration_limit;
+      if (result.status == RefinementStatus::converged) {
+        result.shared_errors = detail::shared_error_factor(pairs, terms, scale, sums);
+        result.covariance = to_pose_covariance(result.shared_errors * detail::independent_covariance(sums),
+                                               result.T_target_source, caller_centre, unit);
+      }
+      break;
+    }
+    result.T_target_source = motion_of(step, caller_centre, unit) * result.T_target_source;
+    result.T_target_source.linear() = orthonormal(result.T_target_source.linear());
+    ++result.iterations;
+    pairs.move(result.T_target_source);
+  }
+  result.inlier_share = static_cast<double>(result.pairs) / static_cast<double>(source.size());
+  return ended();
+}
+
+}  // namespace consimd::features
