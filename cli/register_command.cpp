@@ -20,6 +20,7 @@
 #include <consimd/synth/metrics.hpp>
 #include <consimd/synth/problem_files.hpp>
 
+#include <consimd/studies/registration_picture.hpp>
 #include <consimd/studies/replace_file.hpp>
 #include "cloud_arguments.hpp"
 #include "commands.hpp"
@@ -49,6 +50,8 @@ struct Options {
   std::string json;
   std::string save_pose;
   std::string save_inliers;
+  std::string view;
+  std::string picture;
 };
 
 void check(const Options& options) {
@@ -73,10 +76,14 @@ void check(const Options& options) {
   if (!options.json.empty() && options.json != "-") studies::require_replaceable(options.json);
   for (const auto& [name, file] :
        {std::pair("--save-pose", options.save_pose), std::pair("--save-inliers", options.save_inliers),
-        std::pair("--save-aligned", options.clouds.save_aligned)}) {
+        std::pair("--save-aligned", options.clouds.save_aligned), std::pair("--view", options.view),
+        std::pair("--picture", options.picture)}) {
     if (file.empty()) continue;
     if (options.repeat != 1) throw std::invalid_argument(fmt::format("{}: writes one run, not --repeat of them", name));
     studies::require_replaceable(file);
+  }
+  if (!options.picture.empty() && std::filesystem::path(options.picture).extension() != ".svg") {
+    throw std::invalid_argument(fmt::format("--picture: draws SVG, so expected a FILE.svg, got '{}'", options.picture));
   }
   if (options.assume_inliers && (options.noise_bound || options.estimate_scale || options.repeat != 1)) {
     throw std::invalid_argument(
@@ -100,10 +107,10 @@ std::string inlier_text(const Registration& run) {
   return text;
 }
 
-void save(const Options& options, const RegisterReport& report, const std::optional<Cloud>& source) {
+void save(const Options& options, const RegisterReport& report, const CloudPair& clouds) {
   const Registration& run = report.runs.front();
-  if (!options.clouds.save_aligned.empty() && source && run.has_pose()) {
-    studies::replace_file(options.clouds.save_aligned, features::moved_ply(*source, run.T_target_source));
+  if (!options.clouds.save_aligned.empty() && run.has_pose()) {
+    studies::replace_file(options.clouds.save_aligned, features::moved_ply(clouds.source, run.T_target_source));
   }
   if (!options.save_pose.empty() && run.has_pose()) {
     synth::write_pose(run.T_target_source, report.estimate_scale ? run.scale : 1.0, options.save_pose);
@@ -125,17 +132,31 @@ Correspondences read_rows(const std::string& file) {
   }
 }
 
-/// The correspondences of the file, or those found between the clouds, which also give the noise bound. `source`: the
-/// source cloud where it is wanted later.
-Correspondences load(const Options& options, RegisterReport& report, std::optional<Cloud>& source) {
+/// What is looked at, if it is asked for.
+void draw(const Options& options, const RegisterReport& report, const Correspondences& correspondences,
+          const CloudPair& clouds) {
+  studies::RegistrationPicture picture{.correspondences = &correspondences,
+                                       .registration = &report.runs.front(),
+                                       .source_name = options.file,
+                                       .target_name = options.target,
+                                       .solver = report.solver};
+  if (report.clouds) {
+    picture.source = &clouds.source;
+    picture.target = &clouds.target;
+  }
+  if (!options.view.empty()) studies::replace_file(options.view, studies::registration_page(picture));
+  if (!options.picture.empty()) studies::replace_file(options.picture, studies::registration_svg(picture));
+}
+
+/// The correspondences of the file, or those found between the clouds, which also give the noise bound.
+Correspondences load(const Options& options, CloudPair& clouds, RegisterReport& report) {
   if (options.target.empty()) return read_rows(options.file);
   const features::CloudMatchingOptions matching = matching_options(options.clouds, options.seed);
-  CloudPair clouds = read_clouds(options.file, options.target, options.clouds);
+  clouds = read_clouds(options.file, options.target, options.clouds);
   report.file += " and " + options.target;
   report.cloud_arguments = options.clouds;
   report.clouds =
       with_threads(options.threads, [&] { return features::match_clouds(clouds.source, clouds.target, matching); });
-  if (!options.clouds.save_aligned.empty()) source = std::move(clouds.source);
   if (!report.noise_bound) report.noise_bound = report.clouds->noise_bound;
   if (!options.clouds.save_correspondences.empty()) {
     studies::replace_file(options.clouds.save_correspondences, correspondence_text(*report.clouds));
@@ -166,8 +187,8 @@ int run_register(const Options& options) {
     truth = report.estimate_scale ? synth::read_scaled_pose(options.truth)
                                   : synth::ScaledPose{synth::read_pose(options.truth)};
   }
-  std::optional<Cloud> source;
-  const Correspondences correspondences = load(options, report, source);
+  CloudPair clouds;
+  const Correspondences correspondences = load(options, clouds, report);
   report.correspondences = correspondences.size();
 
   with_threads(options.threads, [&] {
@@ -209,7 +230,8 @@ int run_register(const Options& options) {
   } else {
     studies::replace_file(options.json, to_json(report));
   }
-  save(options, report, source);
+  save(options, report, clouds);
+  with_threads(options.threads, [&] { draw(options, report, correspondences, clouds); });
   const bool all_found = std::all_of(report.runs.begin(), report.runs.end(), [](const Registration& run) {
     return run.has_pose() && run.status != Status::ambiguous;
   });
@@ -270,6 +292,11 @@ void add_register_command(CLI::App& app, Action& run) {
       "--save-inliers", options->save_inliers,
       "Write the inliers, if there is a pose, to this file: a row of FILE, or of clouds' --save-correspondences, "
       "a line, counted from 0 without comments");
+  command->add_option(
+      "--view", options->view,
+      "Write a page to look at the result in a browser, with WebGL and without network: clouds before and "
+      "after the pose, inliers and outliers. It needs no pose");
+  command->add_option("--picture", options->picture, "Write the same as a drawing, FILE.svg");
   command->footer(
       "Exit code: 0 when every run found a pose, 1 when one did not or left two to choose from, 2 on bad usage or "
       "input.\n"
@@ -277,6 +304,7 @@ void add_register_command(CLI::App& app, Action& run) {
       "  consimd register pair.txt                                           finds out how noisy it is\n"
       "  consimd register source.pcd target.pcd --voxel 0.3                  two scans\n"
       "  consimd register a.bin b.bin --refine plane --save-aligned a_in_b.ply\n"
+      "  consimd register source.pcd target.pcd --view view.html             and a page to look at them\n"
       "  consimd register pair.txt --noise-bound 0.6                         metres, lidar clouds of 0.3 m voxels\n"
       "  consimd register pair.txt --noise-bound 0.6 --repeat 50 --truth pose.txt\n"
       "  consimd register pair.txt --noise-bound 0.6 --json -                to the next program\n"
