@@ -46,7 +46,7 @@ features::MatchOptions matches_of(const std::string& text) {
 bool CloudArguments::given() const {
   const CloudArguments defaults;
   return voxel || missing || keypoints != defaults.keypoints || matches != defaults.matches ||
-         !save_correspondences.empty() || refine || !save_aligned.empty();
+         !save_correspondences.empty() || no_verification || refine || !save_aligned.empty();
 }
 
 void add_cloud_options(CLI::App& command, CloudArguments& arguments) {

@@ -17,7 +17,9 @@ struct CloudArguments {
   std::string matches = "mutual:3";
   std::optional<double> missing;
   std::string save_correspondences;
-  std::optional<std::string> refine;  ///< of `register` alone, as what follows
+  // Of `register` alone.
+  bool no_verification = false;
+  std::optional<std::string> refine;
   std::string save_aligned;
 
   /// Whether any of them was given.

@@ -61,8 +61,8 @@ void check(const Options& options) {
   }
   if (options.target.empty() && options.clouds.given()) {
     throw std::invalid_argument(
-        "--voxel, --keypoints, --matches, --missing, --save-correspondences, --refine and --save-aligned are of two "
-        "clouds, SOURCE and TARGET");
+        "--voxel, --keypoints, --matches, --missing, --save-correspondences, --no-verification, --refine and "
+        "--save-aligned are of two clouds, SOURCE and TARGET");
   }
   if (!options.target.empty() && options.estimate_scale) {
     throw std::invalid_argument("--estimate-scale: the descriptors of clouds need one unit in both");
@@ -148,15 +148,33 @@ void draw(const Options& options, const RegisterReport& report, const Correspond
   if (!options.picture.empty()) studies::replace_file(options.picture, studies::registration_svg(picture));
 }
 
-/// The correspondences of the file, or those found between the clouds, which also give the noise bound.
-Correspondences load(const Options& options, CloudPair& clouds, RegisterReport& report) {
-  if (options.target.empty()) return read_rows(options.file);
-  const features::CloudMatchingOptions matching = matching_options(options.clouds, options.seed);
+/// One registration of the clouds after another. Returns the first one's correspondences.
+Correspondences register_pairs(const Options& options, const SolverChoice& choice, CloudPair& clouds,
+                               RegisterReport& report) {
   clouds = read_clouds(options.file, options.target, options.clouds);
   report.file += " and " + options.target;
   report.cloud_arguments = options.clouds;
-  report.clouds =
-      with_threads(options.threads, [&] { return features::match_clouds(clouds.source, clouds.target, matching); });
+  std::optional<features::RefinementMethod> method;
+  if (options.clouds.refine) method = features::parse_refinement_method(*options.clouds.refine);
+  for (std::uint32_t run = 0; run < options.repeat; ++run) {
+    const std::uint64_t seed = options.seed + run;
+    features::CloudRegistration found = with_threads(options.threads, [&] {
+      return features::register_clouds(clouds.source, clouds.target,
+                                       {.matching = matching_options(options.clouds, seed),
+                                        .noise_bound = options.noise_bound,
+                                        .solver = choice.label(),
+                                        .filter = report.filter,
+                                        .seed = seed,
+                                        .verify = !options.clouds.no_verification,
+                                        .refine = method});
+    });
+    if (report.notes.empty()) report.notes = advice(found.matches.correspondences, found.registration);
+    report.runs.push_back(std::move(found.registration));
+    report.attempts.push_back(found.attempts);
+    if (found.verdict) report.verdicts.push_back(*found.verdict);
+    if (method) report.refinements.push_back(found.refinement);
+    if (!report.clouds) report.clouds = std::move(found.matches);
+  }
   if (!report.noise_bound) report.noise_bound = report.clouds->noise_bound;
   if (!options.clouds.save_correspondences.empty()) {
     studies::replace_file(options.clouds.save_correspondences, correspondence_text(*report.clouds));
@@ -164,10 +182,28 @@ Correspondences load(const Options& options, CloudPair& clouds, RegisterReport& 
   return std::move(report.clouds->correspondences);
 }
 
-/// Refines the last run, if it has a pose.
-std::optional<features::Refinement> refined(RegisterReport& report, const std::string& method) {
-  if (!report.runs.back().has_pose()) return std::nullopt;
-  return features::refine_registration(*report.clouds, features::parse_refinement_method(method), report.runs.back());
+/// Registrations of the rows of a file, in each run with another seed.
+void register_rows(const Options& options, const SolverChoice& choice, const Correspondences& correspondences,
+                   RegisterReport& report) {
+  if (options.assume_inliers) {
+    AssumedInliers found = register_assumed_inliers(correspondences);
+    report.runs.push_back(std::move(found.registration));
+    report.residuals = std::move(found.residuals);
+    report.sigma = found.sigma;
+    if (found.geometry != PointGeometry::determined) {
+      report.notes.push_back(
+          fmt::format("the points of a cloud are {}: they leave a rotation free", to_string(found.geometry)));
+    }
+    return;
+  }
+  for (std::uint32_t run = 0; run < options.repeat; ++run) {
+    report.runs.push_back(register_by_choice(choice, correspondences,
+                                             {.noise_bound = report.noise_bound,
+                                              .seed = options.seed + run,
+                                              .filter = report.filter,
+                                              .estimate_scale = options.estimate_scale}));
+    if (report.notes.empty()) report.notes = advice(correspondences, report.runs.back());
+  }
 }
 
 int run_register(const Options& options) {
@@ -188,31 +224,12 @@ int run_register(const Options& options) {
                                   : synth::ScaledPose{synth::read_pose(options.truth)};
   }
   CloudPair clouds;
-  const Correspondences correspondences = load(options, clouds, report);
+  const Correspondences correspondences =
+      options.target.empty() ? read_rows(options.file) : register_pairs(options, choice, clouds, report);
   report.correspondences = correspondences.size();
-
-  with_threads(options.threads, [&] {
-    if (options.assume_inliers) {
-      AssumedInliers found = register_assumed_inliers(correspondences);
-      report.runs.push_back(std::move(found.registration));
-      report.residuals = std::move(found.residuals);
-      report.sigma = found.sigma;
-      if (found.geometry != PointGeometry::determined) {
-        report.notes.push_back(
-            fmt::format("the points of a cloud are {}: they leave a rotation free", to_string(found.geometry)));
-      }
-      return;
-    }
-    for (std::uint32_t run = 0; run < options.repeat; ++run) {
-      report.runs.push_back(register_by_choice(choice, correspondences,
-                                               {.noise_bound = report.noise_bound,
-                                                .seed = options.seed + run,
-                                                .filter = report.filter,
-                                                .estimate_scale = options.estimate_scale}));
-      if (report.notes.empty()) report.notes = advice(correspondences, report.runs.back());
-      if (options.clouds.refine) report.refinements.push_back(refined(report, *options.clouds.refine));
-    }
-  });
+  if (options.target.empty()) {
+    with_threads(options.threads, [&] { register_rows(options, choice, correspondences, report); });
+  }
   if (truth) {
     for (const Registration& run : report.runs) {
       report.errors.push_back({synth::rotation_error_deg(run.T_target_source, truth->T_target_source),
@@ -257,6 +274,11 @@ void add_register_command(CLI::App& app, Action& run) {
   command->add_option("--save-correspondences", options->clouds.save_correspondences,
                       "Of clouds: write their matches to this file");
   add_refinement_options(*command, options->clouds);
+  command->add_flag(
+      "--no-verification", options->clouds.no_verification,
+      "Of clouds: let the correspondences decide alone. Otherwise a pose must be borne out by the clouds' "
+      "surfaces and by what each scan saw through, and where none is sure the front end is tried once more "
+      "with voxels of one and a half times the side");
   command->add_option(
       "--noise-bound", options->noise_bound,
       "Largest distance of a true correspondence's target from the moved source, in the file's unit; about 3 "
@@ -276,7 +298,9 @@ void add_register_command(CLI::App& app, Action& run) {
   command->add_option("--seed", options->seed, "Seed of the first run; of clouds, also of the points drawn")
       ->check(whole_number())
       ->capture_default_str();
-  command->add_option("--repeat", options->repeat, "Runs, with seeds seed, seed + 1, ...")
+  command
+      ->add_option("--repeat", options->repeat,
+                   "Runs, with seeds seed, seed + 1, ...; of clouds, each draws its own points")
       ->check(whole_number(1, 1'000'000))
       ->capture_default_str();
   add_threads_option(*command, options->threads);

@@ -62,6 +62,28 @@ Json refinement_json(const std::optional<features::Refinement>& refinement) {
           {"seconds", refinement->seconds}};
 }
 
+Json pose_json(const RunnerUp& pose, bool estimate_scale) {
+  Json json = {{"support", pose.support},
+               {"log10_false_poses", pose.log10_false_poses},
+               {"T_target_source", rows_of(pose.T_target_source.matrix())}};
+  if (estimate_scale) json["scale"] = pose.scale;
+  return json;
+}
+
+Json evidence_json(const features::PoseEvidence& evidence) {
+  return {{"log10_chance", evidence.log10_chance},
+          {"agreement", evidence.agreement},
+          {"seen_through", evidence.seen_through},
+          {"samples", evidence.samples}};
+}
+
+Json verdict_json(const features::CloudVerdict& verdict) {
+  Json json = {{"of_correspondences", to_string(verdict.of_correspondences)},
+               {"pose", verdict.pose ? evidence_json(*verdict.pose) : Json(nullptr)}};
+  if (verdict.runner_up) json["runner_up"] = evidence_json(*verdict.runner_up);
+  return json;
+}
+
 Json run_json(const RegisterReport& report, std::size_t index) {
   const Registration& run = report.runs[index];
   Json json = {{"seed", run.seed},
@@ -84,12 +106,10 @@ Json run_json(const RegisterReport& report, std::size_t index) {
     json["sigma"] = report.sigma;
   }
   if (!report.refinements.empty()) json["refinement"] = refinement_json(report.refinements[index]);
-  if (run.runner_up) {
-    json["runner_up"] = {{"support", run.runner_up->support},
-                         {"log10_false_poses", run.runner_up->log10_false_poses},
-                         {"T_target_source", rows_of(run.runner_up->T_target_source.matrix())}};
-    if (report.estimate_scale) json["runner_up"]["scale"] = run.runner_up->scale;
-  }
+  if (run.runner_up) json["runner_up"] = pose_json(*run.runner_up, report.estimate_scale);
+  if (run.refused) json["refused"] = pose_json(*run.refused, report.estimate_scale);
+  if (!report.verdicts.empty()) json["verification"] = verdict_json(report.verdicts[index]);
+  if (!report.attempts.empty()) json["attempts"] = report.attempts[index];
   if (!report.errors.empty()) {
     json["rotation_error_deg"] = of_pose(report.errors[index].rotation_deg);
     json["translation_error"] = of_pose(report.errors[index].translation);
@@ -107,6 +127,20 @@ PoseErrors deviations(const PoseCovariance& covariance) {
       covariance.bottomRightCorner<3, 3>() - joint.transpose() * rotation.ldlt().solve(joint);
   constexpr double kDegrees = 180.0 / std::numbers::pi;
   return {kDegrees * std::sqrt(rotation.trace()), std::sqrt(std::max(position.trace(), 0.0))};
+}
+
+std::string verdict_text(const features::CloudVerdict& verdict, const Registration& run) {
+  if (!verdict.pose) return {};
+  if (verdict.pose->samples == 0) return "clouds        have no surfaces to hold the pose against\n";
+  std::string text =
+      fmt::format("clouds        agree at {:.0f} % of {} places, see through {:.1f} %; 10^{:.1f} by chance\n",
+                  100.0 * verdict.pose->agreement, verdict.pose->samples, 100.0 * verdict.pose->seen_through,
+                  verdict.pose->log10_chance);
+  if (verdict.of_correspondences != run.status) {
+    text += fmt::format("              and decide: the correspondences alone gave {}\n",
+                        to_string(verdict.of_correspondences));
+  }
+  return text;
 }
 
 // More than a page of them is for a program to read.
@@ -127,6 +161,11 @@ std::string run_text(const RegisterReport& report) {
     fmt::format_to(out, "by chance     10^{:.1f} poses of such support expected\n", run.log10_false_poses);
   }
   if (run.runner_up) fmt::format_to(out, "runner-up     another motion has {} inliers\n", run.runner_up->support);
+  if (!report.verdicts.empty()) fmt::format_to(out, "{}", verdict_text(report.verdicts.front(), run));
+  if (!report.attempts.empty() && report.attempts.front() > 1) {
+    fmt::format_to(out, "attempts      {}, this one with voxels of {:.4g}\n", report.attempts.front(),
+                   report.clouds->voxel);
+  }
   if (!report.refinements.empty() && report.refinements.front()) {
     const features::Refinement& refinement = *report.refinements.front();
     fmt::format_to(out,

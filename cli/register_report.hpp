@@ -6,6 +6,7 @@
 #include <vector>
 
 #include <consimd/features/cloud_matching.hpp>
+#include <consimd/features/cloud_verdict.hpp>
 #include <consimd/features/refinement.hpp>
 #include <consimd/solvers/registration.hpp>
 #include <consimd/solvers/solver.hpp>
@@ -35,7 +36,10 @@ struct RegisterReport {
   std::optional<double> noise_bound = {};  ///< none: estimated in each run
   std::vector<Registration> runs = {};
   std::vector<std::optional<features::Refinement>> refinements = {};  ///< one per run, or none that was not asked for
-  std::vector<PoseErrors> errors = {};                                ///< one per run, or none without a ground truth
+  /// What two clouds made of each run; none without clouds, or where they were not asked.
+  std::vector<features::CloudVerdict> verdicts = {};
+  std::vector<std::size_t> attempts = {};  ///< of the front end in each run; none without clouds
+  std::vector<PoseErrors> errors = {};     ///< one per run, or none without a ground truth
   /// More rows are supported by the inverse of the given ground truth than by itself.
   bool truth_inverted = false;
   /// Sentences for people (see advice.hpp), of the first run that has any.

@@ -52,7 +52,7 @@ class Stage:
 
 @dataclass(frozen=True, eq=False)
 class RunnerUp:
-    """The best-supported pose that is another motion than the one returned."""
+    """A pose that is not the one returned."""
 
     pose: NDArray[np.float64]
     """(4, 4), source to target."""
@@ -86,6 +86,9 @@ class Registration:
     log10_false_poses: float
     """log10 of the number of equally supported poses that chance lets expect. Success needs it well below 0."""
     runner_up: RunnerUp | None
+    refused: RunnerUp | None
+    """Without a pose: the most significant one that was met, which chance or structure gives as well; for those who have
+    other evidence."""
     stages: tuple[Stage, ...]
     seconds: float
     """Wall time of the registration in the library."""
@@ -247,8 +250,9 @@ def register(
     fields["inliers"] = np.frombuffer(fields["inliers"], np.int64)
     fields["status"] = Status(fields["status"])
     fields["stages"] = tuple(Stage(*stage) for stage in fields["stages"])
-    if fields["runner_up"] is not None:
-        fields["runner_up"] = RunnerUp(*fields["runner_up"])
+    for name in ("runner_up", "refused"):
+        if fields[name] is not None:
+            fields[name] = RunnerUp(*fields[name])
     return Registration(correspondences=len(rows), solver=solver, filter=filter, **fields)
 
 

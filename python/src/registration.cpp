@@ -62,10 +62,12 @@ nb::dict to_dict(const Registration& result) {
   fields["covariance"] = to_bytes(Eigen::Matrix<double, 6, 6, Eigen::RowMajor>(result.covariance));
   fields["inliers"] = to_bytes(std::vector<std::int64_t>(result.inliers.begin(), result.inliers.end()));
   fields["log10_false_poses"] = result.log10_false_poses;
-  fields["runner_up"] = nb::none();
-  if (result.runner_up) {
-    fields["runner_up"] = nb::make_tuple(to_array(result.runner_up->T_target_source), result.runner_up->support,
-                                         result.runner_up->log10_false_poses, result.runner_up->scale);
+  for (const auto& [name, pose] : {std::pair("runner_up", &result.runner_up), std::pair("refused", &result.refused)}) {
+    fields[name] = nb::none();
+    if (*pose) {
+      fields[name] = nb::make_tuple(to_array((*pose)->T_target_source), (*pose)->support, (*pose)->log10_false_poses,
+                                    (*pose)->scale);
+    }
   }
   fields["stages"] = to_list(result.stages);
   fields["seconds"] = result.seconds;

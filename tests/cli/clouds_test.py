@@ -107,6 +107,27 @@ class Clouds(CommandTest):
                 self.assertAlmostEqual(rows[row][c], sum(pose[c][k] * p[k] for k in range(3)) + pose[c][3], places=5)
         self.assert_error("register", "pose.txt", "--save-aligned", "a.ply", says="are of two clouds")
 
+    def test_clouds_decide(self):
+        source, target = self.clouds()
+        result = json.loads(self.run_command("register", source, target, "--repeat", 2, "--json", "-"))
+        for run in result["runs"]:
+            found = run["verification"]
+            self.assertEqual((run["status"], found["of_correspondences"]), ("success", "success"))
+            self.assertGreater(found["pose"]["agreement"], 0.5)
+            self.assertLess(found["pose"]["seen_through"], 0.05)
+            self.assertLess(found["pose"]["log10_chance"], -2.5)
+            self.assertEqual(run["stages"][-1]["name"], "verification")
+        self.assertIn("clouds        agree at ", self.run_command("register", source, target))
+        alone = json.loads(self.run_command("register", source, target, "--no-verification", "--json", "-"))["runs"][0]
+        self.assertNotIn("verification", alone)
+        # Noise in a cube has no pose to find.
+        draw = random.Random(5)
+        for name in ("one", "other"):
+            lines = [" ".join(str(draw.uniform(-5, 5)) for _ in range(3)) for _ in range(3000)]
+            (self.folder / f"{name}.xyz").write_text("\n".join(lines) + "\n")
+        run = json.loads(self.run_command("register", "one.xyz", "other.xyz", "--json", "-", code=1))["runs"][0]
+        self.assertEqual((run["T_target_source"], run["attempts"]), (None, 2))
+
     def test_match_writes_what_register_reads(self):
         source, target = self.clouds()
         text = self.run_command("match", source, target, "--voxel", 0.15, "--out", "pair")
@@ -145,6 +166,7 @@ class Clouds(CommandTest):
         self.assert_error("register", source, target, "--keypoints", "some", says="--keypoints: expected all, random:COUNT, iss or iss:COUNT, got 'some'")
         self.assert_error("match", source, target, "--matches", "mutual:9", says="--matches: expected mutual:K")
         self.assert_error("register", source, target, "--estimate-scale", says="--estimate-scale")
+        self.assert_error("register", "pose.txt", "--no-verification", says="--no-verification are of two clouds")
         self.assert_error("register", "pose.txt", "--voxel", 1, says="are of two clouds")
         self.assert_error("register", "-", "-", says="the standard input holds one cloud")
         self.assert_error("register", source, says="source.ply: not a file of correspondences; a cloud needs the TARGET")

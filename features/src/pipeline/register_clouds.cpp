@@ -1,8 +1,53 @@
 #include <consimd/features/register_clouds.hpp>
 
-#include <consimd/solvers/solver.hpp>
+#include <algorithm>
+#include <utility>
 
 namespace consimd::features {
+namespace {
+
+// Coarser voxels give fewer and larger surfaces: scans that are far apart have more of these in common.
+constexpr double kCoarser = 1.5;
+// A pose whose chance is larger is held against what the coarser voxels give: the right ones that clouds and
+// correspondences leave in doubt are often beyond it there.
+constexpr double kBeyondDoubt = -12.0;
+
+CloudRegistration attempt(const Cloud& source, const Cloud& target, const CloudRegistrationOptions& options) {
+  CloudRegistration result{match_clouds(source, target, options.matching), {}};
+  result.registration = register_by_name(options.solver, result.matches.correspondences,
+                                         {.noise_bound = options.noise_bound.value_or(result.matches.noise_bound),
+                                          .seed = options.seed,
+                                          .filter = options.filter});
+  if (options.verify) {
+    result.verdict = verify_registration(source, target, result.matches, options.matching, result.registration);
+  }
+  return result;
+}
+
+/// The better of one or two attempts.
+CloudRegistration verified(const Cloud& source, const Cloud& target, const CloudRegistrationOptions& options) {
+  CloudRegistration first = attempt(source, target, options);
+  if (!options.verify || first.verdict->log10_of_both < kBeyondDoubt) return first;
+  // Clouds of a few voxels would be left with none.
+  constexpr std::size_t kFewVoxels = 64;
+  if (std::min(first.matches.source.voxels, first.matches.target.voxels) < kFewVoxels) return first;
+  CloudRegistrationOptions coarser = options;
+  coarser.matching.voxel = kCoarser * first.matches.voxel;
+  CloudRegistration second = attempt(source, target, coarser);
+  CloudRegistration& better = second.verdict->log10_of_both <= first.verdict->log10_of_both ? second : first;
+  better.attempts = 2;
+  return std::move(better);
+}
+
+}  // namespace
+
+CloudVerdict verify_registration(const Cloud& source, const Cloud& target, const CloudMatches& matches,
+                                 const CloudMatchingOptions& options, Registration& registration) {
+  if (!registration.has_pose() && !registration.refused) return {.of_correspondences = registration.status};
+  const PoseVerifier verifier({source, *matches.source_voxels, options.source_viewpoint},
+                              {target, *matches.target_voxels, options.target_viewpoint}, matches.voxel, options.seed);
+  return decide(verifier, matches.correspondences, registration);
+}
 
 Refinement refine_registration(const CloudMatches& matches, RefinementMethod method, Registration& registration) {
   const Refinement refined =
@@ -19,10 +64,7 @@ Refinement refine_registration(const CloudMatches& matches, RefinementMethod met
 }
 
 CloudRegistration register_clouds(const Cloud& source, const Cloud& target, const CloudRegistrationOptions& options) {
-  CloudRegistration result{match_clouds(source, target, options.matching), {}};
-  result.registration =
-      register_by_name(options.solver, result.matches.correspondences,
-                       {.noise_bound = options.noise_bound.value_or(result.matches.noise_bound), .seed = options.seed});
+  CloudRegistration result = verified(source, target, options);
   if (options.refine && result.registration.has_pose()) {
     result.refinement = refine_registration(result.matches, *options.refine, result.registration);
   }

@@ -83,6 +83,10 @@ double lead_over_shift(const Correspondences& correspondences, const PoseTest& t
   return log_binomial_tail(size, independent(poses.best().pose), independent(shifted.pose) / size) / std::numbers::ln10;
 }
 
+RunnerUp refused_pose(const Correspondences& correspondences, const FinalPose& final, const Registration& result) {
+  return {to_caller_frame(final.pose, correspondences), final.inliers.size(), result.log10_false_poses};
+}
+
 // Rows that agree in length with three of the supporters.
 std::vector<std::uint32_t> agreeing_rows(const Correspondences& correspondences, const FinalPose& final,
                                          const PoseTest& test) {
@@ -174,6 +178,7 @@ void conclude(const Correspondences& correspondences, const PoseTest& test, cons
     result.mirrored = is_mirror_image(mirrored, agreeing.size());
   } else if (!supported || final.log10_false_poses >= kSignificant || is_at_another_scale(final)) {
     result.status = Status::no_consensus;
+    if (supported && !is_at_another_scale(final)) result.refused = refused_pose(correspondences, final, result);
   } else {
     std::optional<RunnerUp> rival = runner_up(correspondences, test, poses);
     const bool as_good = rival && is_rival(rival->support, poses.best().support.count);
@@ -190,6 +195,7 @@ void conclude(const Correspondences& correspondences, const PoseTest& test, cons
     }
     if (result.log10_false_poses >= kSignificant) {
       result.status = Status::no_consensus;
+      result.refused = refused_pose(correspondences, final, result);
       return;
     }
     // One that chance gives as well tells nobody anything.

@@ -5,9 +5,11 @@
 #include <string>
 
 #include <consimd/features/cloud_matching.hpp>
+#include <consimd/features/cloud_verdict.hpp>
 #include <consimd/features/refinement.hpp>
 #include <consimd/kernels/export.hpp>
 #include <consimd/solvers/registration.hpp>
+#include <consimd/solvers/solver.hpp>
 
 namespace consimd {
 namespace CONSIMD_EXPORT features {
@@ -18,7 +20,11 @@ struct CloudRegistrationOptions {
   std::optional<double> noise_bound = std::nullopt;
   /// A solver's name, with options if need be: see SolverChoice.
   std::string solver = "tcf";
+  Filter filter = Filter::none;
   std::uint64_t seed = 1;
+  /// Let the clouds decide over the pose of their correspondences (see cloud_verdict.hpp). Where they bear none out,
+  /// or leave it in doubt, the front end is tried once more with voxels of one and a half times the side.
+  bool verify = true;
   /// How the pose is refined on the clouds, if at all (see refinement.hpp).
   std::optional<RefinementMethod> refine = std::nullopt;
 };
@@ -26,17 +32,24 @@ struct CloudRegistrationOptions {
 struct CloudRegistration {
   CloudMatches matches;
   Registration registration;  ///< inliers are rows of matches.correspondences
+  /// Where the clouds were to decide.
+  std::optional<CloudVerdict> verdict = std::nullopt;
+  std::size_t attempts = 1;  ///< of the front end; all else is of the one whose pose is the less likely by chance
   /// Where it was asked for and there was a pose to start from.
   std::optional<Refinement> refinement = std::nullopt;
 };
+
+/// Verifies a registration of `matches`, made of these clouds, and lets them decide (see cloud_verdict.hpp).
+CloudVerdict verify_registration(const Cloud& source, const Cloud& target, const CloudMatches& matches,
+                                 const CloudMatchingOptions& options, Registration& registration);
 
 /// Refines the pose of a registration, which must have one, on the voxels of its clouds, within its noise bound. Where
 /// that converges the registration gets the refined pose and its covariance; status, inliers and significance stay
 /// those of the correspondences. Adds the stage "refine": source voxels, pairs, iterations.
 Refinement refine_registration(const CloudMatches& matches, RefinementMethod method, Registration& registration);
 
-/// `match_clouds`, then `register_by_name`, then, if asked for, `refine_registration`. Throws std::invalid_argument as
-/// these do.
+/// `match_clouds`, then `register_by_name`, then `verify_registration`, then, if asked for, `refine_registration`.
+/// Throws std::invalid_argument as these do.
 [[nodiscard]] CloudRegistration register_clouds(const Cloud& source, const Cloud& target,
                                                 const CloudRegistrationOptions& options = {});
 

@@ -37,7 +37,7 @@ struct StageReport {
   double seconds = 0.0;
 };
 
-/// The best-supported pose that is another motion than the one returned.
+/// A pose that is not the one returned.
 struct RunnerUp {
   RigidTransform T_target_source = RigidTransform::Identity();
   std::size_t support = 0;         ///< correspondences within the noise bound of it
@@ -69,6 +69,9 @@ struct Registration {
   /// is met nearly as surely as the best pose. Two rigid motions, or an object that is its own image when turned, show
   /// here.
   std::optional<RunnerUp> runner_up;
+  /// Without a pose: the most significant one that was met, which chance or structure gives as well; for those who have
+  /// other evidence. None where it is a mirror image or undetermined.
+  std::optional<RunnerUp> refused;
   /// Without a pose: the rows that agree in length are a mirror image, which no motion brings into place.
   bool mirrored = false;
   std::vector<StageReport> stages;

@@ -1,0 +1,38 @@
+// What two clouds make of a registration of their correspondences.
+#pragma once
+
+#include <optional>
+
+#include <consimd/features/pose_verification.hpp>
+#include <consimd/kernels/correspondences.hpp>
+#include <consimd/kernels/export.hpp>
+#include <consimd/solvers/registration.hpp>
+
+namespace consimd {
+namespace CONSIMD_EXPORT features {
+
+struct CloudVerdict {
+  /// Of the correspondences' pose, or of the one that they were too few for (Registration::refused); none where there
+  /// is neither.
+  std::optional<PoseEvidence> pose = std::nullopt;
+  std::optional<PoseEvidence> runner_up = std::nullopt;
+  /// log10 of the chance of the pose that stands: that of the clouds' agreement times the number of such poses that the
+  /// correspondences give by chance. 0 where none stands.
+  double log10_of_both = 0.0;
+  /// The status that the correspondences alone gave.
+  Status of_correspondences = Status::no_consensus;
+};
+
+/// Whether clouds bear a pose out: it is seen through in few places, agrees better than chance gives, and the poses
+/// that correspondences give by chance (log10 of their number, as in Registration) times the chance that one of these
+/// agrees as well is small.
+[[nodiscard]] bool is_borne_out(const PoseEvidence& evidence, double log10_false_poses) noexcept;
+
+/// Holds the pose and its rival against the clouds and lets these decide: a pose that they do not bear out becomes
+/// `no_consensus`, of two that fit the correspondences alike the one that they bear out is the `success`, as is one
+/// that had too few correspondences alone. The pose is refined on the correspondences where it was not theirs. Clouds
+/// without surfaces decide nothing. Adds the stage "verification": samples, those that agree, poses tried.
+CloudVerdict decide(const PoseVerifier& verifier, const Correspondences& correspondences, Registration& registration);
+
+}  // namespace features
+}  // namespace consimd

@@ -1,0 +1,65 @@
+// Whether two clouds bear out a pose that was found from their correspondences.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <optional>
+
+#include <consimd/features/cell_grid.hpp>
+#include <consimd/kernels/cloud.hpp>
+#include <consimd/kernels/correspondences.hpp>
+#include <consimd/kernels/export.hpp>
+#include <consimd/poses/rigid_fit.hpp>
+#include <consimd/solvers/registration.hpp>
+
+namespace consimd {
+namespace CONSIMD_EXPORT features {
+
+/// One of the clouds of a verification.
+struct VerifiedCloud {
+  /// All points that the scanner measured: what they were seen through is free space.
+  const Cloud& scan;
+  /// The same thinned out to about one point a voxel, with normals (see normals.hpp): the surfaces.
+  const CellGrid& surfaces;
+  /// Where the scan was taken from, caller's frame; without one nothing is known of free space.
+  std::optional<std::array<double, 3>> viewpoint = std::array<double, 3>{0.0, 0.0, 0.0};
+};
+
+/// How well two clouds agree at a pose. A sample is a surface point of one of the clouds, brought into the other's
+/// frame.
+struct PoseEvidence {
+  /// log10 of the chance that clouds which have nothing in common but what every displacement keeps agree as well:
+  /// ground, walls and corridors agree wherever one is shifted along them. By the displaced poses' own agreement.
+  double log10_chance = 0.0;
+  double agreement = 0.0;         ///< share of samples that lie on a surface of the other cloud, of like orientation
+  double seen_through = 0.0;      ///< share of samples where the other scan saw nothing but what is farther away
+  std::size_t samples = 0;        ///< 0: a cloud has no surfaces, and nothing is known
+  std::size_t displacements = 0;  ///< poses that the chance comes from
+};
+
+/// Holds poses against two clouds. The chance of a pose is found by displacing it: turned about the normal of a large
+/// plane and shifted in it, or along the line that two such planes have in common, by more than surfaces are matched
+/// to. What the surfaces agree in at most displacements counts little: each sample weighs as much as its agreement is
+/// rare. The tail of the displaced poses' agreement is extrapolated as an exponential one. Deterministic in the seed,
+/// the same for any number of threads and instruction set; parallel with oneTBB.
+class PoseVerifier {
+ public:
+  /// voxel: side of the voxels of both clouds' surfaces, caller's unit, > 0. Both clouds are read during construction
+  /// only. Throws std::invalid_argument on a bad voxel, or a viewpoint that is not finite.
+  PoseVerifier(const VerifiedCloud& source, const VerifiedCloud& target, double voxel, std::uint64_t seed = 1);
+  ~PoseVerifier();
+  PoseVerifier(PoseVerifier&&) noexcept;
+  PoseVerifier& operator=(PoseVerifier&&) noexcept;
+
+  /// T_target_source: caller's frames. Throws std::invalid_argument on one that is not finite.
+  [[nodiscard]] PoseEvidence evidence(const RigidTransform& T_target_source) const;
+
+ private:
+  struct Clouds;
+  std::unique_ptr<Clouds> clouds_;
+};
+
+}  // namespace features
+}  // namespace consimd

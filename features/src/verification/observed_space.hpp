@@ -1,0 +1,93 @@
+// What a scan tells of space: where its surfaces are, and what it saw through.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <vector>
+
+#include <consimd/features/cell_grid.hpp>
+#include <consimd/kernels/cloud.hpp>
+
+namespace consimd::features::detail {
+
+using Vector3 = std::array<double, 3>;
+
+[[nodiscard]] inline double dot(const Vector3& a, const Vector3& b) noexcept {
+  return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+}
+
+/// A point of a surface in the caller's frame, with its unit normal.
+struct SurfacePoint {
+  Vector3 point{};
+  Vector3 normal{};
+};
+
+/// What is near a place.
+enum class Agreement : std::uint8_t {
+  surface,  ///< a surface of like orientation passes there
+  other,    ///< only one of another orientation, or one that passes beside
+  empty,    ///< nothing
+};
+
+/// The surfaces of a cloud in a hash table of cubes: each cube knows the surface point nearest to its centre.
+class SurfaceMap {
+ public:
+  /// Of points with a normal. side: of a cube, caller's unit.
+  SurfaceMap(const CellGrid& surfaces, double side);
+
+  [[nodiscard]] Agreement agreement(const SurfacePoint& place) const noexcept;
+
+ private:
+  static constexpr std::uint32_t kNone = 0xffffffff;
+  struct Cube {
+    std::uint64_t key = 0;
+    std::uint32_t point = kNone;
+    float squared_distance = 0.0f;
+  };
+
+  [[nodiscard]] std::uint32_t find(const Vector3& place) const noexcept;
+  [[nodiscard]] Cube& slot(std::uint64_t key) noexcept;
+  void fill_filter();
+
+  Vector3 low_{};
+  double per_side_;
+  double side_;
+  std::array<std::int64_t, 3> cubes_{};
+  std::vector<SurfacePoint> points_;
+  std::vector<Cube> table_;
+  std::uint64_t mask_ = 0;
+  // A bit for each cube, by other bits of the hash: most places are in none, which this tells from near memory.
+  std::vector<std::uint64_t> filter_;
+};
+
+/// The range to which a scan saw, by direction: the six faces of a cube around the viewpoint, each of the same number
+/// of cells.
+class FreeSpace {
+ public:
+  FreeSpace() = default;
+  /// margin: what is nearer than this to what was seen is not free, caller's unit. Of a scan that was not taken from
+  /// there, where much of it lies behind the rest, nothing is known.
+  FreeSpace(const Cloud& scan, const Vector3& viewpoint, double margin);
+
+  /// Whether the scan saw only what is farther away than `place` in its direction and those next to it.
+  [[nodiscard]] bool seen_through(const Vector3& place) const noexcept;
+
+ private:
+  struct Direction {
+    std::size_t cell = 0;
+    double squared_range = 0.0;
+  };
+  [[nodiscard]] Direction direction(const Vector3& place) const noexcept;
+  void look(const Cloud& scan);
+  [[nodiscard]] bool hides_much(const Cloud& scan) const;
+  void reach_to_the_nearest_beside();
+
+  Vector3 viewpoint_{};
+  double margin_ = 0.0;
+  std::size_t edge_ = 0;      // cells along an edge of a face; 0: nothing is known
+  std::vector<float> range_;  // of the nearest point in a cell and those next to it; 0 where a cell is empty
+};
+
+}  // namespace consimd::features::detail

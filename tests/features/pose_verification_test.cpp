@@ -1,0 +1,289 @@
+#include <consimd/features/cloud_verdict.hpp>
+#include <consimd/features/normals.hpp>
+#include <consimd/features/pose_verification.hpp>
+#include <consimd/features/register_clouds.hpp>
+#include <consimd/features/voxel_grid.hpp>
+
+#include <gtest/gtest.h>
+
+#include <oneapi/tbb/global_control.h>
+#include <oneapi/tbb/task_arena.h>
+
+#include <algorithm>
+#include <bit>
+#include <limits>
+#include <optional>
+#include <vector>
+
+#include "scene.hpp"
+#include "street.hpp"
+
+namespace consimd::test {
+namespace {
+
+using features::CellGrid;
+using features::PoseEvidence;
+using features::PoseVerifier;
+
+constexpr double kVoxel = 0.3;
+// As the correspondences of poses that are just a success give it.
+constexpr double kByCorrespondences = -4.5;
+
+/// A scan with its surfaces.
+struct Seen {
+  Cloud scan;
+  CellGrid surfaces;
+
+  explicit Seen(const Points& points)
+      : scan(cloud_of(points)), surfaces(features::voxel_grid(scan, kVoxel), 3.0 * kVoxel) {
+    features::estimate_normals(surfaces, {.radius = 2.0 * kVoxel});
+  }
+};
+
+PoseEvidence evidence(const Seen& source, const Seen& target, const RigidTransform& pose, std::uint64_t seed = 1) {
+  return PoseVerifier({source.scan, source.surfaces}, {target.scan, target.surfaces}, kVoxel, seed).evidence(pose);
+}
+
+TEST(PoseVerification, BearsTheRightPoseOut) {
+  for (std::uint32_t seed = 1; seed <= 4; ++seed) {
+    const Street scene = street(seed);
+    const Seen source(scan_of(scene, 8.0, 0.4, 1)), target(scan_of(scene, 0.0, 0.1, 2));
+    const PoseEvidence found = evidence(source, target, between_scans(8.0, 0.4, 0.0, 0.1));
+    EXPECT_TRUE(features::is_borne_out(found, kByCorrespondences)) << found.log10_chance << " " << found.seen_through;
+    EXPECT_GT(found.agreement, 0.3);
+    EXPECT_LT(found.seen_through, 0.02);
+    EXPECT_GT(found.samples, 600u);
+  }
+}
+
+// Both streets have ground and houses at about the same place: what such poses agree in is structure. Poses that are
+// the same up to a turn by half a circle or a shift along the street. None of 64 may pass.
+TEST(PoseVerification, RefusesPosesBetweenDifferentStreets) {
+  for (std::uint32_t seed = 1; seed <= 8; ++seed) {
+    const Seen source(scan_of(street(seed), 0.0, 0.0, 1)), target(scan_of(street(seed + 100), 0.0, 0.0, 2));
+    const PoseVerifier verifier({source.scan, source.surfaces}, {target.scan, target.surfaces}, kVoxel);
+    for (const double yaw : {0.0, 3.141592653589793}) {
+      for (const double shift : {-6.0, -1.5, 0.0, 4.0}) {
+        const PoseEvidence found = verifier.evidence(between_scans(shift, yaw, 0.0, 0.0));
+        EXPECT_FALSE(features::is_borne_out(found, kByCorrespondences))
+            << seed << " " << yaw << " " << shift << ": " << found.log10_chance << " " << found.seen_through;
+      }
+    }
+  }
+}
+
+TEST(PoseVerification, AWrongPoseIsSeenThrough) {
+  const Street scene = street(3);
+  const Seen source(scan_of(scene, 12.0, 0.0, 1)), target(scan_of(scene, 0.0, 0.0, 2));
+  const PoseEvidence right = evidence(source, target, between_scans(12.0, 0.0, 0.0, 0.0));
+  const PoseEvidence wrong = evidence(source, target, between_scans(12.0, 0.3, 0.0, 0.0));
+  EXPECT_LT(right.seen_through, 0.02);
+  EXPECT_GT(wrong.seen_through, 0.05);
+}
+
+// Along two bare walls any shift agrees as well.
+TEST(PoseVerification, AShiftAlongABareStreetIsNoEvidence) {
+  const Street scene = street(1, true);
+  const Seen source(scan_of(scene, 3.0, 0.0, 1)), target(scan_of(scene, 0.0, 0.0, 2));
+  const PoseEvidence found = evidence(source, target, between_scans(3.0, 0.0, 0.0, 0.0));
+  EXPECT_GT(found.agreement, 0.6);
+  EXPECT_GT(found.log10_chance, -2.5);
+}
+
+TEST(PoseVerification, WithoutViewpointsNothingIsSeenThrough) {
+  const Street scene = street(2);
+  const Seen source(scan_of(scene, 5.0, 0.0, 1)), target(scan_of(scene, 0.0, 0.0, 2));
+  const RigidTransform wrong = between_scans(5.0, 0.4, 0.0, 0.0);
+  for (const std::optional<std::array<double, 3>> viewpoint :
+       {std::optional<std::array<double, 3>>(), std::optional(std::array<double, 3>{300.0, 5.0, 1.0})}) {
+    const PoseVerifier verifier({source.scan, source.surfaces, viewpoint}, {target.scan, target.surfaces, viewpoint},
+                                kVoxel);
+    EXPECT_EQ(verifier.evidence(wrong).seen_through, 0.0);
+    EXPECT_TRUE(features::is_borne_out(verifier.evidence(between_scans(5.0, 0.0, 0.0, 0.0)), kByCorrespondences));
+  }
+}
+
+TEST(PoseVerification, HasTheSameBitsForAnyThreadsAndDependsOnTheSeedAlone) {
+  const Street scene = street(5);
+  const Seen source(scan_of(scene, 6.0, 0.0, 1)), target(scan_of(scene, 0.0, 0.0, 2));
+  const RigidTransform pose = between_scans(6.0, 0.0, 0.0, 0.0);
+  std::vector<std::uint64_t> bits;
+  const tbb::global_control control(tbb::global_control::max_allowed_parallelism, 4);
+  for (const int threads : {1, 2, 4}) {
+    tbb::task_arena arena(threads);
+    const PoseEvidence found = arena.execute([&] { return evidence(source, target, pose); });
+    bits.push_back(std::bit_cast<std::uint64_t>(found.log10_chance));
+  }
+  EXPECT_EQ(bits[0], bits[1]);
+  EXPECT_EQ(bits[0], bits[2]);
+  EXPECT_NE(evidence(source, target, pose, 2).log10_chance, evidence(source, target, pose).log10_chance);
+}
+
+TEST(PoseVerification, MapCoordinatesChangeLittle) {
+  const Street scene = street(6);
+  const Points source = scan_of(scene, 6.0, 0.0, 1);
+  const Points target = scan_of(scene, 0.0, 0.0, 2);
+  const RigidTransform pose = between_scans(6.0, 0.0, 0.0, 0.0);
+  const PoseEvidence here = evidence(Seen(source), Seen(target), pose);
+  Points far = target;
+  for (auto& p : far) p[1] += 5e6;
+  const Seen near(source), away(far);
+  RigidTransform there = pose;
+  there.translation().y() += 5e6;
+  const PoseEvidence found =
+      PoseVerifier({near.scan, near.surfaces}, {away.scan, away.surfaces, {{0.0, 5e6, 0.0}}}, kVoxel).evidence(there);
+  EXPECT_NEAR(found.agreement, here.agreement, 0.05);
+  EXPECT_NEAR(found.seen_through, here.seen_through, 0.01);
+}
+
+TEST(PoseVerification, CloudsWithoutSurfacesDecideNothing) {
+  const Seen street_scan(scan_of(street(1), 0.0, 0.0, 1));
+  for (const std::size_t count : {0u, 1u, 2u}) {
+    const Seen few(Points(count, {1.0, 2.0, 3.0}));
+    const PoseVerifier verifier({few.scan, few.surfaces}, {street_scan.scan, street_scan.surfaces}, kVoxel);
+    const PoseEvidence found = verifier.evidence(RigidTransform::Identity());
+    EXPECT_EQ(found.samples, 0u);
+    EXPECT_EQ(found.log10_chance, 0.0);
+    Registration registration;
+    registration.status = Status::success;
+    static_cast<void>(features::decide(verifier, Correspondences(), registration));
+    EXPECT_EQ(registration.status, Status::success);
+  }
+}
+
+TEST(PoseVerification, RefusesBadInput) {
+  const Seen seen(scan_of(street(1), 0.0, 0.0, 1));
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  for (const double voxel : {0.0, -1.0, nan, std::numeric_limits<double>::infinity()}) {
+    EXPECT_THROW(PoseVerifier({seen.scan, seen.surfaces}, {seen.scan, seen.surfaces}, voxel), std::invalid_argument);
+  }
+  EXPECT_THROW(PoseVerifier({seen.scan, seen.surfaces, {{nan, 0.0, 0.0}}}, {seen.scan, seen.surfaces}, kVoxel),
+               std::invalid_argument);
+  RigidTransform pose = RigidTransform::Identity();
+  pose.translation().x() = nan;
+  EXPECT_THROW(static_cast<void>(evidence(seen, seen, pose)), std::invalid_argument);
+}
+
+/// Rows that the true pose takes to one another, and some that nothing does.
+Correspondences rows_of(const Points& source, const RigidTransform& pose) {
+  std::vector<std::array<double, 3>> from, to;
+  std::mt19937 random(3);
+  for (std::size_t k = 0; k < source.size(); k += 200) {
+    from.push_back(source[k]);
+    Eigen::Vector3d q = pose * Eigen::Map<const Eigen::Vector3d>(source[k].data());
+    for (int c = 0; c < 3; ++c) q[c] += (from.size() % 3 == 0 ? 20.0 : 0.05) * uniform(random);
+    to.push_back({q.x(), q.y(), q.z()});
+  }
+  return Correspondences(PointSpan<double>::interleaved(from.front().data(), from.size()),
+                         PointSpan<double>::interleaved(to.front().data(), to.size()));
+}
+
+class CloudVerdict : public testing::Test {
+ protected:
+  const Street scene = street(6);
+  const Points points = scan_of(scene, 4.0, 0.0, 1);
+  const Seen source{points};
+  const Seen target{scan_of(scene, 0.0, 0.0, 2)};
+  const PoseVerifier verifier{{source.scan, source.surfaces}, {target.scan, target.surfaces}, kVoxel};
+  const RigidTransform right = between_scans(4.0, 0.0, 0.0, 0.0);
+  const RigidTransform wrong = between_scans(-9.0, 0.2, 0.0, 0.0);
+  const Correspondences correspondences = rows_of(points, right);
+
+  Registration with(Status status, const RigidTransform& pose, double log10_false_poses = -6.0) const {
+    Registration result;
+    result.status = status;
+    result.T_target_source = pose;
+    result.inliers = {1, 2, 3, 4};
+    result.covariance = PoseCovariance::Identity();
+    result.log10_false_poses = log10_false_poses;
+    result.noise_bound = 0.2;
+    return result;
+  }
+
+  void expect_the_right_pose(const Registration& result) const {
+    EXPECT_EQ(result.status, Status::success);
+    EXPECT_LT((result.T_target_source.matrix() - right.matrix()).norm(), 0.1);
+    EXPECT_TRUE(std::ranges::is_sorted(result.inliers));
+    EXPECT_FALSE(result.refused);
+    EXPECT_FALSE(result.runner_up);
+  }
+};
+
+TEST_F(CloudVerdict, ARightPoseStaysAsItIs) {
+  Registration result = with(Status::success, right);
+  const features::CloudVerdict verdict = features::decide(verifier, correspondences, result);
+  EXPECT_EQ(verdict.of_correspondences, Status::success);
+  EXPECT_EQ(result.T_target_source.matrix(), right.matrix());
+  EXPECT_EQ(result.inliers.size(), 4u);
+  ASSERT_EQ(result.stages.size(), 1u);
+  EXPECT_EQ(result.stages[0].name, "verification");
+  EXPECT_EQ(result.stages[0].input, verdict.pose->samples);
+  expect_the_right_pose(result);
+}
+
+TEST_F(CloudVerdict, AWrongPoseIsRefused) {
+  for (const Status status : {Status::success, Status::ambiguous, Status::budget_exhausted}) {
+    Registration result = with(status, wrong, -30.0);
+    if (status == Status::ambiguous) result.runner_up = RunnerUp{between_scans(-20.0, 1.0, 0.0, 0.0), 4, -5.0};
+    features::decide(verifier, correspondences, result);
+    EXPECT_EQ(result.status, Status::no_consensus);
+    EXPECT_TRUE(result.inliers.empty());
+    EXPECT_EQ(result.T_target_source.matrix(), RigidTransform::Identity().matrix());
+    EXPECT_TRUE(result.covariance.isZero(0.0));
+    ASSERT_TRUE(result.refused);
+    EXPECT_EQ(result.refused->T_target_source.matrix(), wrong.matrix());
+    EXPECT_FALSE(result.runner_up);
+  }
+}
+
+TEST_F(CloudVerdict, DecidesBetweenAPoseAndItsRival) {
+  for (const bool first : {true, false}) {
+    Registration result = with(Status::ambiguous, first ? right : wrong);
+    result.runner_up = RunnerUp{first ? wrong : right, 4, -6.0};
+    features::decide(verifier, correspondences, result);
+    expect_the_right_pose(result);
+    EXPECT_GE(result.inliers.size(), first ? 4u : correspondences.size() / 2);
+  }
+}
+
+TEST_F(CloudVerdict, TakesARightPoseThatHadTooFewCorrespondences) {
+  {
+    Registration result;
+    result.noise_bound = 0.2;
+    result.refused = RunnerUp{right, 4, -2.5};
+    features::decide(verifier, correspondences, result);
+    expect_the_right_pose(result);
+    EXPECT_GT(result.inliers.size(), correspondences.size() / 2);
+    EXPECT_FALSE(result.covariance.isZero(0.0));
+  }
+  Registration result;
+  result.refused = RunnerUp{wrong, 4, -2.0};
+  features::decide(verifier, correspondences, result);
+  EXPECT_EQ(result.status, Status::no_consensus);
+  EXPECT_TRUE(result.refused);
+}
+
+// Problems without a pose: scans of different streets, from the front end on; and the same ones with it.
+TEST(RegisterVerifiedClouds, DifferentStreetsAreRefusedAndTheSameOnesFound) {
+  for (std::uint32_t seed = 1; seed <= 3; ++seed) {
+    features::CloudRegistrationOptions options;
+    options.matching.voxel = kVoxel;
+    options.matching.keypoints = 2000;
+    options.seed = options.matching.seed = seed;
+    const Cloud source = cloud_of(scan_of(street(seed), 4.0, 0.3, 1));
+    const auto other = register_clouds(source, cloud_of(scan_of(street(seed + 50), 0.0, 0.0, 2)), options);
+    EXPECT_FALSE(other.registration.has_pose());
+    EXPECT_EQ(other.attempts, 2u);
+    EXPECT_DOUBLE_EQ(other.matches.voxel, 1.5 * kVoxel);
+    const auto same = register_clouds(source, cloud_of(scan_of(street(seed), 0.0, 0.0, 2)), options);
+    ASSERT_EQ(same.registration.status, Status::success);
+    EXPECT_LT(
+        (same.registration.T_target_source.translation() - between_scans(4.0, 0.3, 0.0, 0.0).translation()).norm(),
+        0.3);
+    ASSERT_TRUE(same.verdict && same.verdict->pose);
+    EXPECT_LT(same.verdict->pose->log10_chance, -2.5);
+  }
+}
+
+}  // namespace
+}  // namespace consimd::test
