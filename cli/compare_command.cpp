@@ -15,8 +15,8 @@
 #include "filter_option.hpp"
 #include "interruption.hpp"
 #include "option_checks.hpp"
+#include "outside_arguments.hpp"
 #include "progress.hpp"
-#include "solver_arguments.hpp"
 #include "standard_streams.hpp"
 #include "threads.hpp"
 
@@ -25,7 +25,7 @@ namespace {
 
 struct Options {
   studies::CompareOptions study;
-  std::vector<std::string> settings;
+  SolverArguments solvers{study.tables.solvers};
   std::string filter = "none";
   int threads = 1;
   std::string out = "consimd-compare";
@@ -34,7 +34,9 @@ struct Options {
 
 int run_compare(Options options) {
   studies::TableOptions& tables = options.study.tables;
-  tables.solvers = labels_of(tables.solvers, options.settings);
+  StudySolvers solvers = solvers_of(options.solvers);
+  tables.solvers = std::move(solvers.names);
+  tables.outside = std::move(solvers.outside);
   tables.filtered = filter_by_name(options.filter) == Filter::tcf;
   studies::Comparison comparison = studies::make_comparison(options.study);
   const studies::ComparisonFacts facts{
@@ -45,6 +47,7 @@ int run_compare(Options options) {
              comparison.groups().size(), facts.isa, facts.threads, facts.threads == 1 ? "" : "s", comparison.filled(),
              options.out);
   flush_standard_output();
+  FailureReport failures;
   if (!comparison.complete()) {
     const InterruptionGuard guard;
     Progress progress(comparison.size(), comparison.filled(), "runs");
@@ -53,9 +56,11 @@ int run_compare(Options options) {
                                                    folder.append(record);
                                                    progress.step();
                                                  },
+                                             .on_failure = [&](const std::string& failure) { failures.add(failure); },
                                              .stop_requested = [] { return InterruptionGuard::requested(); }};
     with_threads(options.threads, [&] { studies::run_comparison(comparison, control); });
   }
+  failures.tell_all("runs");
   const std::vector<studies::TextTable> results = studies::make_tables(tables, comparison);
   folder.write(comparison, results, facts);
   if (!comparison.complete()) {
@@ -102,10 +107,7 @@ void add_compare_command(CLI::App& app, Action& run) {
   command->add_option("--table", study.tables.tables, "Tables to make, separated by commas; listed below")
       ->delimiter(',')
       ->capture_default_str();
-  command->add_option("--solver", study.tables.solvers, "Solvers, separated by commas, each " + solver_help())
-      ->delimiter(',')
-      ->capture_default_str();
-  add_option_setting(*command, options->settings);
+  add_solver_arguments(*command, options->solvers);
   add_filter_option(*command, options->filter);
   command->add_option("--thresholds", study.tables.preset, "Limits of a success; listed below")->capture_default_str();
   command->add_option("--iterations", study.tables.iterations, "Samples of plain RANSAC, for the table of that name")
@@ -140,6 +142,7 @@ void add_compare_command(CLI::App& app, Action& run) {
       "  consimd compare --synthetic eth --solver tcf,ransac-50k           stand-ins for the paper's ETH scans\n"
       "  consimd compare --table boost,stages,poses --synthetic trees,kitti01\n"
       "  consimd compare --solver ransac:max_iterations=10000:confidence=none,ransac,tcf\n"
+      "  consimd compare --synthetic eth --solver tcf --solver 'mine=exec:./my_solver --fast'\n"
       "  consimd compare --table iterations\n"
       "  consimd compare --table scales --solver pcr99,teaser",
       listed(studies::paper_tables()), listed(studies::limit_presets())));

@@ -53,7 +53,7 @@ int run_merge(const Options& options) {
 
   fmt::print("{} trials in {} cells, merged from {} shard{}, writing to {}\n", merged.table.size(),
              merged.table.options().cells(), shards.size(), shards.size() == 1 ? "" : "s", out);
-  print_trials(studies::summarise_ratios(merged.table));
+  print_trials(studies::summarise(merged.table));
   if (!merged.limits.empty()) print_limits(merged.limits, merged.table.options());
   print_files_and_draw(out, !merged.limits.empty());
   return kSuccess;

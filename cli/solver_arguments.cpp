@@ -40,11 +40,4 @@ SolverChoice choice_of(const std::string& text, const std::vector<std::string>& 
   return choice;
 }
 
-std::vector<std::string> labels_of(const std::vector<std::string>& solvers, const std::vector<std::string>& settings) {
-  std::vector<std::string> labels;
-  labels.reserve(solvers.size());
-  for (const std::string& solver : solvers) labels.push_back(choice_of(solver, settings).label());
-  return labels;
-}
-
 }  // namespace consimd::cli

@@ -23,8 +23,4 @@ void add_option_setting(CLI::App& command, std::vector<std::string>& settings);
 /// solver does not have, and on options set twice.
 [[nodiscard]] SolverChoice choice_of(const std::string& text, const std::vector<std::string>& settings);
 
-/// The labels of several solvers, each with all of `settings`.
-[[nodiscard]] std::vector<std::string> labels_of(const std::vector<std::string>& solvers,
-                                                 const std::vector<std::string>& settings);
-
 }  // namespace consimd::cli

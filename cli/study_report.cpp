@@ -9,9 +9,12 @@
 
 namespace consimd::cli {
 
-void print_trials(const std::vector<studies::RatioSummary>& rows) {
-  fmt::print("\n{}\n", sweep_table(rows));
+void print_trials(const studies::StudySummary& summary) {
+  fmt::print("\n{}\n", sweep_table(summary.ratios()));
   fmt::print("Errors are means over all trials, failures included; the oracle is least squares on the true inliers.\n");
+  if (summary.failures().any()) {
+    fmt::print("Programs failed, which counts as no pose: {}.\n", summary.failures().text());
+  }
   flush_standard_output();
 }
 

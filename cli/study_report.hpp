@@ -2,7 +2,6 @@
 #pragma once
 
 #include <string>
-#include <vector>
 
 #include <consimd/studies/cell_summary.hpp>
 #include <consimd/studies/limits.hpp>
@@ -10,7 +9,7 @@
 namespace consimd::cli {
 
 /// Prints the table of a whole study.
-void print_trials(const std::vector<studies::RatioSummary>& rows);
+void print_trials(const studies::StudySummary& summary);
 
 /// Prints where the limits lie.
 void print_limits(const std::vector<studies::LimitRecord>& limits, const studies::SweepOptions& options);

@@ -17,8 +17,8 @@
 #include "filter_option.hpp"
 #include "interruption.hpp"
 #include "option_checks.hpp"
+#include "outside_arguments.hpp"
 #include "progress.hpp"
-#include "solver_arguments.hpp"
 #include "standard_streams.hpp"
 #include "study_report.hpp"
 #include "threads.hpp"
@@ -28,9 +28,9 @@ namespace {
 
 struct Options {
   studies::SweepOptions study;
+  SolverArguments solvers{study.solvers};
   std::string outliers{studies::kPaperOutlierRatios};
   std::string sigma{studies::kPaperSigmas};
-  std::vector<std::string> settings;
   std::string filter = "none";
   int threads = 1;
   std::string out = "consimd-sweep";
@@ -81,7 +81,9 @@ int run_sweep_command(Options options) {
   const std::string out = shard ? (std::filesystem::path(options.out) / folder_name(*shard)).string() : options.out;
   options.study.outlier_ratios = values_of("--outliers", options.outliers);
   options.study.sigmas = values_of("--sigma", options.sigma);
-  options.study.solvers = labels_of(options.study.solvers, options.settings);
+  StudySolvers solvers = solvers_of(options.solvers);
+  options.study.solvers = std::move(solvers.names);
+  options.study.outside = std::move(solvers.outside);
   options.study.filter = filter_by_name(options.filter);
   studies::TrialTable table(std::move(options.study), shard, studies::TrialTable::Keep::marks);
   const studies::RunFacts facts{.isa = to_string(active_isa()), .threads = options.threads};
@@ -91,6 +93,7 @@ int run_sweep_command(Options options) {
              table.size(), part, table.options().cells(), facts.isa, facts.threads, facts.threads == 1 ? "" : "s",
              table.filled(), out);
   flush_standard_output();
+  FailureReport failures;
   if (!table.complete()) {
     const InterruptionGuard guard;
     const std::string steps = "trials" + part;
@@ -100,15 +103,17 @@ int run_sweep_command(Options options) {
                                               folder.append(record);
                                               progress.step();
                                             },
+                                        .on_failure = [&](const std::string& failure) { failures.add(failure); },
                                         .stop_requested = [] { return InterruptionGuard::requested(); }};
     with_threads(options.threads, [&] { studies::run_sweep(table, control); });
   }
+  failures.tell_all("trials");
   if (!table.complete()) {
     tell("consimd: stopped after {} of {} trials{}; the same command resumes\n", table.filled(), table.size(), part);
     return kInterrupted;
   }
   const studies::StudySummary summary = folder.finish(table, facts);
-  if (!shard) print_trials(summary.ratios());
+  if (!shard) print_trials(summary);
   if (options.map) {
     const std::vector<double> levels = limit_levels(table.options(), shard);
     const std::string steps = "limit problems" + part;
@@ -146,10 +151,7 @@ void add_sweep_command(CLI::App& app, Action& run) {
   command->add_option("--trials", study.trials, "Problems per outlier ratio and noise level")
       ->check(whole_number(1, 1'000'000))
       ->capture_default_str();
-  command->add_option("--solver", study.solvers, "Solvers, separated by commas, each " + solver_help())
-      ->delimiter(',')
-      ->capture_default_str();
-  add_option_setting(*command, options->settings);
+  add_solver_arguments(*command, options->solvers);
   add_filter_option(*command, options->filter);
   command->add_option("--seed", study.seed, "Seed of the data; trial k runs its solver with seed + k")
       ->check(whole_number())
@@ -182,6 +184,7 @@ void add_sweep_command(CLI::App& app, Action& run) {
       "  consimd sweep                                                the paper's study: 25000 trials\n"
       "  consimd sweep --outliers 0.9,0.99 --sigma 0.5,1,2 --trials 20 --out quick\n"
       "  consimd sweep --solver ransac:max_iterations=10000,tcf --trials 20 --out options\n"
+      "  consimd sweep --solver tcf --solver 'mine=exec:./my_solver --fast' --trials 20 --out mine\n"
       "  consimd sweep --shard 2/4                                    a quarter of it\n"
       "  mpirun -n 4 consimd sweep --shard auto --threads 1           four processes, then: consimd merge\n"
       "  consimd sweep --map --outliers 0.5,0.9,0.95,0.98,0.99,0.995 --sigma 0.1,0.5,1,2,5 --trials 20 --out map");

@@ -58,6 +58,7 @@ POSIX = {
     "synth/src/pending_file.cpp": "files that appear whole or not at all",
     "studies/src/files/folder_lock.cpp": "one process in a study's folder",
     "studies/src/figures/figures.cpp": "the process that draws",
+    "studies/src/outside/child_process.cpp": "outside solvers' programs",
     "studies/src/provenance/machine.cpp": "the system's name",
     "cli/interruption.cpp": "signals",
     "cli/standard_streams.cpp": "descriptors and terminals",

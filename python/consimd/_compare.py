@@ -3,15 +3,18 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from typing import TYPE_CHECKING, NamedTuple
 
 from consimd import _core
+from consimd._outside import named_solvers
 from consimd._tables import structured
 
 if TYPE_CHECKING:
     import numpy as np
     from numpy.typing import NDArray
+
+    from consimd._outside import Solvers
 
 
 class ComparisonTable(NamedTuple):
@@ -48,7 +51,9 @@ def compare(
     synthetic: str | Sequence[str] = (),
     *,
     tables: str | Sequence[str] = ("solvers",),
-    solvers: str | Sequence[str] | None = None,
+    solvers: Solvers | None = None,
+    versions: Mapping[str, str] | None = None,
+    time_limit: float = 60.0,
     filter: str = "none",
     thresholds: str = "case",
     trials: int = 20,
@@ -71,7 +76,7 @@ def compare(
     synthetic: names of stand-ins (see `consimd.synth.stand_ins()`), "stand-ins" (all of them), "eth", "kitti", or
         "noise", cells of the noise study. Nothing: all stand-ins, unless there are cases.
     tables: "solvers", "boost", "stages", "poses", "iterations", "scales".
-    solvers: of the tables; None: all, see `consimd.solvers()`.
+    solvers, versions, time_limit: as those of `consimd.sweep`, of the tables; solvers None: all of consimd's.
     filter: "tcf" runs the table "solvers" after TCF's filter.
     thresholds: limits of a success: "case" (what each case states), "paper", "eth", "kitti", "kitti06", "3dmatch".
     trials: problems of each stand-in, noise cell, and scale with its noise.
@@ -88,8 +93,10 @@ def compare(
     progress: called with the numbers of runs done and of all, some ten times a second.
 
     The same runs as `consimd compare`, but for the times. ValueError on a bad argument, RuntimeError on a bad file.
+    RuntimeError that names solver and case if a function raises, or an answer is wrong.
     Ctrl-C ends the comparison with KeyboardInterrupt once the running registration is done; a folder keeps the runs.
     """
+    names, outside = (None, []) if solvers is None else named_solvers(solvers, versions or {})
     run_columns, text_tables = _core.run_comparison(
         None if cases is None else os.fspath(cases),
         _names(synthetic),
@@ -98,7 +105,9 @@ def compare(
         _floats(outliers),
         _floats(sigma),
         _names(tables),
-        None if solvers is None else _names(solvers),
+        names,
+        outside,
+        time_limit,
         filter,
         thresholds,
         None if iterations is None else [int(count) for count in iterations],

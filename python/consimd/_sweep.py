@@ -3,15 +3,18 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable, Mapping
 from typing import TYPE_CHECKING, NamedTuple
 
 from consimd import _core
+from consimd._outside import named_solvers
 from consimd._tables import structured
 
 if TYPE_CHECKING:
     import numpy as np
     from numpy.typing import NDArray
+
+    from consimd._outside import Solvers
 
 class SweepResult(NamedTuple):
     """Structured arrays with the columns of the command's trials.csv and cells.csv, see `table_columns`."""
@@ -27,9 +30,11 @@ def sweep(
     outliers: Iterable[float] = (0.1, 0.5, 0.9, 0.95, 0.98),
     sigma: Iterable[float] | None = None,
     trials: int = 100,
-    solvers: str | Sequence[str] = ("tcf",),
+    solvers: Solvers = ("tcf",),
     seed: int = 1,
     *,
+    versions: Mapping[str, str] | None = None,
+    time_limit: float = 60.0,
     filter: str = "none",
     threads: int | None = None,
     out: str | os.PathLike[str] | None = None,
@@ -43,7 +48,15 @@ def sweep(
     sigma: standard deviations of the inliers' noise, metres an axis. None: 0.1 to 5 in 50 steps, the paper's.
     trials: problems per outlier ratio and noise level. The defaults make the paper's study, 25 000 registrations.
     solvers: one name or several, see `consimd.solvers()`; all see the same problems. Options may follow a name, as in
-        "ransac:max_iterations=10000:confidence=none", and are part of it then.
+        "ransac:max_iterations=10000:confidence=none", and are part of it then. A mapping adds solvers of others:
+        {"mine": f, "yours": "exec:./solver", "tcf": None}. f(source, target, noise_bound, seed) gets (N, 3) float64
+        arrays that it cannot write to and returns a 4 x 4 pose, None where there is no pose, or an object with `pose`
+        and `inliers`, as `consimd.register` does. It is called from several threads. A program answers problems on its
+        standard streams, see docs/outside_solvers.md.
+    versions: of functions and programs by name, in place of the attribute `version` of the function and of what the
+        program tells. With name and command it says which solver it is: a folder is taken up with the same only.
+    time_limit: seconds that a program has for a problem, and to get ready; a slower one is killed, and its trial
+        counts as failed.
     seed: of the data; trial k runs its solvers with seed + k.
     filter, threads: as those of `consimd.register`.
     out: a folder that gets trials.csv as trials end, then cells.csv and summary.json. The same call takes up a study
@@ -52,15 +65,18 @@ def sweep(
 
     A problem has its points in a cube of 200 m; solvers get the noise bound 3 sigma and succeed when the true inliers'
     RMSE under the pose is below it. The same data and results as `consimd sweep`, but for the times. Ctrl-C ends the
-    study with KeyboardInterrupt once the running problems are done; a folder keeps what they gave.
+    study with KeyboardInterrupt once the running problems are done; a folder keeps what they gave. RuntimeError that
+    names solver and trial if a function raises, or an answer is wrong.
     """
-    names = [solvers] if isinstance(solvers, str) else list(solvers)
+    names, outside = named_solvers(solvers, versions or {})
     trial_columns, cell_columns = _core.run_sweep(
         points,
         [float(ratio) for ratio in outliers],
         None if sigma is None else [float(level) for level in sigma],
         trials,
         names,
+        outside,
+        time_limit,
         filter,
         seed,
         threads,

@@ -14,6 +14,7 @@
 #include <nanobind/stl/optional.h>
 #include <nanobind/stl/string.h>
 #include <nanobind/stl/string_view.h>
+#include <nanobind/stl/tuple.h>
 #include <nanobind/stl/vector.h>
 #include <tbb/info.h>
 
@@ -23,6 +24,7 @@
 #include <consimd/studies/compare_options.hpp>
 #include <consimd/studies/comparison_folder.hpp>
 #include "bindings.hpp"
+#include "outside_solvers.hpp"
 #include "study_tables.hpp"
 
 namespace consimd::python {
@@ -39,7 +41,8 @@ nb::tuple to_tuple(const studies::TextTable& table) {
 
 nb::tuple run(const std::optional<std::filesystem::path>& cases, std::vector<std::string> synthetic,
               std::uint32_t trials, std::size_t points, const Numbers& outliers, const Numbers& sigma,
-              std::vector<std::string> tables, std::optional<std::vector<std::string>> solvers, std::string_view filter,
+              std::vector<std::string> tables, std::optional<std::vector<std::string>> solvers,
+              const std::vector<OutsideEntry>& outside, double time_limit, std::string_view filter,
               std::string thresholds, std::optional<std::vector<std::uint32_t>> iterations,
               std::uint32_t iteration_problems, Numbers scales, std::uint64_t seed, std::uint32_t seeds,
               std::optional<int> threads, const std::optional<std::filesystem::path>& folder_path, bool fresh,
@@ -53,8 +56,9 @@ nb::tuple run(const std::optional<std::filesystem::path>& cases, std::vector<std
   if (sigma) options.sigma = to_text(*sigma);
   options.tables.tables = std::move(tables);
   if (solvers) options.tables.solvers = std::move(*solvers);
+  options.tables.outside = outside_solvers(outside, time_limit);
   // However a solver's options were spelt, its name in the tables is one.
-  for (std::string& solver : options.tables.solvers) solver = SolverChoice(solver).label();
+  for (std::string& solver : options.tables.solvers) solver = solver_label(options.tables.outside, solver);
   options.tables.filtered = filter_by_name(filter) == Filter::tcf;
   options.tables.preset = std::move(thresholds);
   if (iterations) options.tables.iterations = std::move(*iterations);
@@ -91,9 +95,10 @@ void bind_compare(nb::module_& module) {
   module.def("run_columns", [] { return meanings(studies::kRunColumns); });
   module.def("run_comparison", &run, nb::arg("cases").none(), nb::arg("synthetic"), nb::arg("trials"),
              nb::arg("points"), nb::arg("outliers").none(), nb::arg("sigma").none(), nb::arg("tables"),
-             nb::arg("solvers").none(), nb::arg("filter"), nb::arg("thresholds"), nb::arg("iterations").none(),
-             nb::arg("iteration_problems"), nb::arg("scales").none(), nb::arg("seed"), nb::arg("seeds"),
-             nb::arg("threads").none(), nb::arg("folder").none(), nb::arg("fresh"), nb::arg("progress").none());
+             nb::arg("solvers").none(), nb::arg("outside"), nb::arg("time_limit"), nb::arg("filter"),
+             nb::arg("thresholds"), nb::arg("iterations").none(), nb::arg("iteration_problems"),
+             nb::arg("scales").none(), nb::arg("seed"), nb::arg("seeds"), nb::arg("threads").none(),
+             nb::arg("folder").none(), nb::arg("fresh"), nb::arg("progress").none());
 }
 
 }  // namespace consimd::python

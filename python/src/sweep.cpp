@@ -12,6 +12,7 @@
 #include <nanobind/stl/optional.h>
 #include <nanobind/stl/string.h>
 #include <nanobind/stl/string_view.h>
+#include <nanobind/stl/tuple.h>
 #include <nanobind/stl/vector.h>
 #include <tbb/info.h>
 
@@ -20,21 +21,23 @@
 #include <consimd/studies/cell_summary.hpp>
 #include <consimd/studies/study_folder.hpp>
 #include "bindings.hpp"
+#include "outside_solvers.hpp"
 #include "study_tables.hpp"
 
 namespace consimd::python {
 namespace {
 
 nb::tuple run(std::size_t points, std::optional<std::vector<double>> outliers, std::optional<std::vector<double>> sigma,
-              std::uint32_t trials, std::vector<std::string> solvers, std::string_view filter, std::uint64_t seed,
-              std::optional<int> threads, const std::optional<std::filesystem::path>& folder_path, bool fresh,
-              const nb::object& progress) {
+              std::uint32_t trials, std::vector<std::string> solvers, const std::vector<OutsideEntry>& outside,
+              double time_limit, std::string_view filter, std::uint64_t seed, std::optional<int> threads,
+              const std::optional<std::filesystem::path>& folder_path, bool fresh, const nb::object& progress) {
   studies::SweepOptions options;
   options.points = points;
   if (outliers) options.outlier_ratios = std::move(*outliers);
   if (sigma) options.sigmas = std::move(*sigma);
   options.trials = trials;
   options.solvers = std::move(solvers);
+  options.outside = outside_solvers(outside, time_limit);
   options.filter = filter_by_name(filter);
   options.seed = seed;
   const std::optional<int> limit = checked_threads(threads);
@@ -54,7 +57,7 @@ nb::tuple run(std::size_t points, std::optional<std::vector<double>> outliers, s
   });
   if (folder) folder->finish(table, facts);
   return nb::make_tuple(to_columns(table.records(), studies::kTrialColumns),
-                        to_columns(studies::summarise_cells(table), studies::kCellColumns));
+                        to_columns(studies::summarise(table).cells(), studies::kCellColumns));
 }
 
 }  // namespace
@@ -63,8 +66,9 @@ void bind_sweep(nb::module_& module) {
   module.def("trial_columns", [] { return meanings(studies::kTrialColumns); });
   module.def("cell_columns", [] { return meanings(studies::kCellColumns); });
   module.def("run_sweep", &run, nb::arg("points"), nb::arg("outliers").none(), nb::arg("sigma").none(),
-             nb::arg("trials"), nb::arg("solvers"), nb::arg("filter"), nb::arg("seed"), nb::arg("threads").none(),
-             nb::arg("folder").none(), nb::arg("fresh"), nb::arg("progress").none());
+             nb::arg("trials"), nb::arg("solvers"), nb::arg("outside"), nb::arg("time_limit"), nb::arg("filter"),
+             nb::arg("seed"), nb::arg("threads").none(), nb::arg("folder").none(), nb::arg("fresh"),
+             nb::arg("progress").none());
 }
 
 }  // namespace consimd::python

@@ -21,7 +21,8 @@ CPP_ALONE = {
     # What elementary_functions.hpp has is of the library's own use; NumPy has such.
     | {"log", "log10", "log1p", "exp", "expm1", "tanh", "cbrt", "sine_cosine", "atan2", "asin", "acos"},
     "poses": {"column_points", "row_points"},
-    "synth": {"stand_in", "read_correspondences", "read_pose", "read_scaled_pose", "read_problem", "write_pose"}
+    "synth": {"stand_in", "read_correspondences", "read_pose", "read_scaled_pose", "read_problem", "write_pose",
+              "nearest_pose"}
     | {"with_far_rows", "with_rows_without_depth", "repeated_targets", "all_to_all", "symmetric_part"}
     | {"read_text", "remove_abandoned_files"},
     # Files, the parts that match_clouds is made of, and what consimd.features calls normals.
@@ -216,12 +217,14 @@ def test_defaults_are_those_of_the_command(command):
         assert shown[name] == str(parameters[name].default), name
     assert shown["solver"] == ",".join(parameters["solvers"].default)
     assert shown["outliers"] == ",".join(map(str, parameters["outliers"].default))
+    assert float(shown["time_limit"]) == parameters["time_limit"].default
 
     parameters = inspect.signature(consimd.compare).parameters
     shown = defaults_of_the_command(command, "compare")
     for name in ("trials", "points", "seed", "seeds", "filter", "thresholds", "iteration_problems"):
         assert shown[name] == str(parameters[name].default), name
     assert shown["table"] == ",".join(parameters["tables"].default)
+    assert float(shown["time_limit"]) == parameters["time_limit"].default
     assert parameters["solvers"].default is None and shown["solver"] == ",".join(consimd.solvers())
 
 

@@ -133,6 +133,8 @@ std::string rounded(double value) {
   return {digits, end.ptr};
 }
 
+constexpr const char* kReflection = "not a rotation but a reflection: its determinant is negative";
+
 NumberTable read_rows(const fs::path& path) {
   NumberTable table = read_number_table(path, 6);
   if (table.rows() < 3) fail(path, "expected at least 3 correspondences, got " + std::to_string(table.rows()));
@@ -168,11 +170,24 @@ Eigen::Matrix3d product_with_transpose(const Eigen::Matrix3d& U, const Eigen::Ma
   return product;
 }
 
-RigidTransform nearest_pose(const fs::path& path, const Eigen::Matrix3d& rotation, const Eigen::Vector3d& translation) {
+/// That of a matrix that is one but for rounding, whose file is named where it is not.
+RigidTransform pose_of(const fs::path& path, const Eigen::Matrix3d& rotation, const Eigen::Vector3d& translation) {
+  try {
+    return nearest_pose(rotation, translation);
+  } catch (const std::invalid_argument& error) {
+    fail(path, error.what());
+  }
+}
+
+}  // namespace
+
+RigidTransform nearest_pose(const Eigen::Matrix3d& rotation, const Eigen::Vector3d& translation) {
   constexpr double kTolerance = 1e-3;
   const double deviation = (rotation * rotation.transpose() - Eigen::Matrix3d::Identity()).cwiseAbs().maxCoeff();
-  if (!(deviation <= kTolerance)) fail(path, "not a rotation: R R^T is " + rounded(deviation) + " off the identity");
-  if (rotation.determinant() < 0.0) fail(path, "not a rotation but a reflection: its determinant is negative");
+  if (!(deviation <= kTolerance)) {
+    throw std::invalid_argument("not a rotation: R R^T is " + rounded(deviation) + " off the identity");
+  }
+  if (rotation.determinant() < 0.0) throw std::invalid_argument(kReflection);
 
   const Eigen::JacobiSVD<Eigen::Matrix3d> svd(rotation, Eigen::ComputeFullU | Eigen::ComputeFullV);
   RigidTransform result = RigidTransform::Identity();
@@ -180,8 +195,6 @@ RigidTransform nearest_pose(const fs::path& path, const Eigen::Matrix3d& rotatio
   result.translation() = translation;
   return result;
 }
-
-}  // namespace
 
 void write_problem(const Problem& problem, const fs::path& folder) {
   require_finite(problem);
@@ -213,15 +226,15 @@ Correspondences read_correspondences(const fs::path& path) {
 
 RigidTransform read_pose(const fs::path& path) {
   const Eigen::Matrix<double, 3, 4> matrix = read_matrix(path);
-  return nearest_pose(path, matrix.leftCols<3>(), matrix.col(3));
+  return pose_of(path, matrix.leftCols<3>(), matrix.col(3));
 }
 
 ScaledPose read_scaled_pose(const fs::path& path) {
   const Eigen::Matrix<double, 3, 4> matrix = read_matrix(path);
   const double scale = elementary::cbrt(matrix.leftCols<3>().determinant());
-  if (scale < 0.0) fail(path, "not a rotation but a reflection: its determinant is negative");
+  if (scale < 0.0) fail(path, kReflection);
   if (!(scale > 0.0) || !std::isfinite(scale)) fail(path, "its scale is " + rounded(scale) + ", expected one above 0");
-  return {nearest_pose(path, matrix.leftCols<3>() / scale, matrix.col(3)), scale};
+  return {pose_of(path, matrix.leftCols<3>() / scale, matrix.col(3)), scale};
 }
 
 Problem read_problem(const fs::path& correspondences, const fs::path& pose, double noise_bound) {

@@ -34,7 +34,7 @@ TrialTable hand_made() {
 }
 
 TEST(CellSummary, AveragesAllTrialsFailuresIncluded) {
-  const std::vector<CellSummary> cells = summarise_cells(hand_made());
+  const std::vector<CellSummary> cells = summarise(hand_made()).cells();
   ASSERT_EQ(cells.size(), 2u);
   EXPECT_EQ(cells[0].recall, 1.0);
   EXPECT_EQ(cells[1].recall, 0.5);
@@ -47,13 +47,13 @@ TEST(CellSummary, AveragesAllTrialsFailuresIncluded) {
 }
 
 TEST(CellSummary, RowHasAFieldForEveryColumn) {
-  CellSummary cell = summarise_cells(hand_made())[1];
+  CellSummary cell = summarise(hand_made()).cells()[1];
   cell.recall_interval = {0.25, 0.75};
   EXPECT_EQ(to_csv_row(cell), "tcf,0.5,2,2,0.5,0.25,0.75,3.5,35,1,5,350\n");
 }
 
 TEST(RatioSummary, SpansTheNoiseLevels) {
-  const std::vector<RatioSummary> rows = summarise_ratios(hand_made());
+  const std::vector<RatioSummary> rows = summarise(hand_made()).ratios();
   ASSERT_EQ(rows.size(), 1u);
   EXPECT_EQ(rows[0].recall_min, 0.5);
   EXPECT_EQ(rows[0].recall_mean, 0.75);

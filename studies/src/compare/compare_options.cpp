@@ -101,7 +101,7 @@ Comparison make_comparison(const CompareOptions& options) {
   require_positive("trials", options.trials);
   require_positive("iteration problems", options.iteration_problems);
   require_positive("seeds", options.seeds);
-  return {groups_of(options), options.seeds};
+  return {groups_of(options), options.seeds, options.tables.outside};
 }
 
 std::vector<OptionText> option_texts(const CompareOptions& o) {

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <limits>
+#include <memory>
 #include <optional>
 #include <stdexcept>
 #include <utility>
@@ -31,9 +32,25 @@ bool succeeds(const Case& tried, const synth::Problem& problem, const Outcome& o
          record.translation_error <= tried.limits->translation;
 }
 
-RunRecord run(const Case& on, const synth::Problem& problem, const Correspondences& correspondences,
-              const CaseGroup& group, const std::string& method, std::uint64_t seed) {
-  const Outcome outcome = run_method(method, correspondences, on.noise_bound, seed);
+struct Loaded {
+  std::shared_ptr<const synth::Problem> problem;  // outside solvers may keep the points
+  Correspondences correspondences;
+};
+
+Outcome outcome_on(const Case& on, const Loaded& data, const CaseGroup& group, const std::string& method,
+                   std::uint64_t seed, const OutsideSolvers& outside) {
+  const std::optional<OutsideMethod> of_others = outside_method(outside, method);
+  if (!of_others) return run_method(method, data.correspondences, on.noise_bound, seed);
+  return run_outside(*of_others->solver, {.problem = data.problem,
+                                          .correspondences = data.correspondences,
+                                          .noise_bound = on.noise_bound,
+                                          .seed = seed,
+                                          .filter = of_others->filter,
+                                          .name = fmt::format("{} {} with seed {}", group.name, on.name, seed)});
+}
+
+RunRecord record_of(const Outcome& outcome, const Case& on, const synth::Problem& problem, const CaseGroup& group,
+                    const std::string& method, std::uint64_t seed) {
   const RigidTransform& truth = problem.T_target_source;
   RunRecord record{.group = group.name, .case_name = on.name, .method = method, .seed = seed, .status = outcome.status};
   record.rotation_error_deg = outcome.has_pose ? synth::rotation_error_deg(outcome.T_target_source, truth) : kNaN;
@@ -50,7 +67,8 @@ RunRecord run(const Case& on, const synth::Problem& problem, const Correspondenc
 
 }  // namespace
 
-Comparison::Comparison(std::vector<CaseGroup> groups, std::uint32_t runs) : groups_(std::move(groups)), runs_(runs) {
+Comparison::Comparison(std::vector<CaseGroup> groups, std::uint32_t runs, OutsideSolvers outside)
+    : groups_(std::move(groups)), runs_(runs), outside_(std::move(outside)) {
   for (const CaseGroup& group : groups_) {
     require_csv_name("group", group.name);
     for (const Case& tried : group.cases) {
@@ -112,17 +130,19 @@ void run_comparison(Comparison& comparison, const ComparisonControl& control) {
       const CaseGroup& group = comparison.groups()[g];
       if (k >= group.cases.size()) continue;
       const Case& tried = group.cases[k];
-      std::optional<synth::Problem> problem;
-      Correspondences correspondences;
+      Loaded data;
       for (std::uint32_t r = 0; r < comparison.runs(); ++r) {
         for (const std::string& method : group.methods) {
           if (comparison.has(g, k, method, tried.seed + r)) continue;
           if (control.stop_requested && control.stop_requested()) return;
-          if (!problem) {
-            problem = tried.load();
-            correspondences = problem->correspondences();
+          if (!data.problem) {
+            data.problem = std::make_shared<const synth::Problem>(tried.load());
+            data.correspondences = data.problem->correspondences();
           }
-          RunRecord record = run(tried, *problem, correspondences, group, method, tried.seed + r);
+          const std::uint64_t seed = tried.seed + r;
+          const Outcome outcome = outcome_on(tried, data, group, method, seed, comparison.outside());
+          if (control.on_failure && !outcome.failure.empty()) control.on_failure(outcome.failure);
+          RunRecord record = record_of(outcome, tried, *data.problem, group, method, seed);
           if (control.on_run) control.on_run(record);
           comparison.put(std::move(record));
         }

@@ -26,9 +26,10 @@ constexpr std::string_view kTables = "tables.md";
 constexpr std::string_view kFigures[] = {"iterations.svg", "iterations.png"};
 constexpr std::string_view kRemedy = "give the same options, another --out, or --fresh to start over";
 
-Json options_json(const ComparisonFacts& facts) {
+Json options_json(const ComparisonFacts& facts, const Comparison& comparison) {
   Json json = Json::object();
   for (const auto& [name, value] : facts.options) json[name] = value;
+  if (!comparison.outside().empty()) json["outside"] = outside_json(comparison.outside());
   return json;
 }
 
@@ -46,6 +47,7 @@ Json solver_options_json(const Comparison& comparison) {
   Json digests = Json::object();
   for (const CaseGroup& group : comparison.groups()) {
     for (const std::string& method : group.methods) {
+      if (outside_method(comparison.outside(), method)) continue;
       const std::string values = option_values(method);
       if (values.empty()) continue;
       Digest digest;
@@ -102,7 +104,7 @@ std::string data_difference(std::string_view text, const Comparison& comparison)
 
 std::string summary(const Comparison& comparison, const ComparisonFacts& facts) {
   Json json = environment_json(facts.isa, facts.threads);
-  json["options"] = options_json(facts);
+  json["options"] = options_json(facts, comparison);
   json["data"] = Json::array();
   for (const CaseGroup& group : comparison.groups()) {
     json["data"].push_back({{"group", group.name}, {"provenance", group.provenance}, {"cases", group.cases.size()}});
@@ -153,7 +155,7 @@ void ComparisonFolder::resume(Comparison& comparison, const ComparisonFacts& fac
   std::string other;
   try {
     const std::string text = synth::read_text(folder_ / kSummary);
-    other = difference(text, options_json(facts));
+    other = difference(text, options_json(facts, comparison));
     if (other.empty()) other = data_difference(text, comparison);
   } catch (const std::invalid_argument& error) {
     throw std::runtime_error(fmt::format("{}: {}; {}", (folder_ / kSummary).string(), error.what(), kRemedy));

@@ -27,15 +27,6 @@ constexpr std::string_view kPlainRansacPrefix = "plain-ransac-";
 // By the triangle inequality no sample of inliers has lengths that differ by more, in noise bounds.
 constexpr double kHarmlessLengthTolerance = 2.0;
 
-Outcome outcome_of(Registration result) {
-  return {.status = std::string(to_string(result.status)),
-          .has_pose = result.has_pose(),
-          .T_target_source = result.T_target_source,
-          .scale = result.scale,
-          .kept = std::move(result.inliers),
-          .seconds = result.seconds};
-}
-
 /// Names of stages from left to right; nothing if one is no stage.
 std::optional<std::vector<std::string_view>> stages_of(std::string_view name) {
   std::vector<std::string_view> stages;
@@ -119,6 +110,18 @@ Outcome run_method(std::string_view name, const Correspondences& correspondences
     name.remove_prefix(kScalePrefix.size());
   }
   return outcome_of(register_by_name(name, correspondences, options));
+}
+
+bool is_method_of_stages(std::string_view name) {
+  return name.starts_with(kPlainRansacPrefix) || stages_of(name).has_value();
+}
+
+std::optional<OutsideMethod> outside_method(const OutsideSolvers& outside, std::string_view name) {
+  const bool filtered = name.starts_with(kFilterPrefix);
+  if (filtered) name.remove_prefix(kFilterPrefix.size());
+  const OutsideSolver* solver = find_outside(outside, name);
+  if (solver == nullptr) return std::nullopt;
+  return OutsideMethod{solver, filtered ? Filter::tcf : Filter::none};
 }
 
 std::string option_values(std::string_view name) {

@@ -46,7 +46,10 @@ bool wanted(const TableOptions& options, std::string_view table) {
 
 std::string scale_group_name(double scale) { return fmt::format("scale {}", scale); }
 
-bool finds_scale(std::string_view solver) { return SolverChoice(solver).solver().estimates_scale(); }
+/// Outside solvers are asked for rigid motions alone.
+bool finds_scale(const TableOptions& options, std::string_view solver) {
+  return find_outside(options.outside, solver) == nullptr && SolverChoice(solver).solver().estimates_scale();
+}
 
 /// Says what the data are, group by group, those of one kind together.
 std::string data_caption(const std::vector<const CaseGroup*>& groups) {
@@ -80,6 +83,9 @@ std::string runs_caption(const Comparison& comparison) {
   if (!comparison.complete()) {
     text += fmt::format(" Unfinished: {} of {} runs.", comparison.filled(), comparison.size());
   }
+  FailureCounts failures;
+  for (const RunRecord& run : comparison.done()) failures.add(run.method, run.status);
+  if (failures.any()) text += fmt::format(" Programs failed, which counts as no pose: {}.", failures.text());
   return text;
 }
 
@@ -245,7 +251,7 @@ class TableMaker {
         .rows = {}};
     for (const CaseGroup* group : scale_groups_) {
       for (const std::string& solver : options_.solvers) {
-        if (!finds_scale(solver)) continue;
+        if (!finds_scale(options_, solver)) continue;
         const RunStatistics s = statistics_of(*group, with_scale(solver));
         table.rows.push_back({group->name, solver, percent(s.recall), interval(s.recall_interval),
                               fine_percent(s.largest_scale_error), error(s.rotation_deg), error(s.translation),
@@ -284,7 +290,8 @@ void validate(const TableOptions& options) {
     throw std::invalid_argument(fmt::format("unknown table '{}'; known: {}", name, fmt::join(known, ", ")));
   }
   require_distinct(options.solvers, "solver");
-  for (const std::string& solver : options.solvers) static_cast<void>(SolverChoice(solver));
+  require_outside_solvers(options.outside, options.solvers);
+  for (const std::string& solver : options.solvers) static_cast<void>(solver_label(options.outside, solver));
   require_known_preset(options.preset);
   require_distinct(options.iterations, "iterations");
   require_distinct(options.scales, "scales");
@@ -330,7 +337,7 @@ std::vector<std::string> scale_methods(const TableOptions& options) {
   std::vector<std::string> methods;
   if (!wanted(options, "scales")) return methods;
   for (const std::string& solver : options.solvers) {
-    if (finds_scale(solver)) methods.push_back(with_scale(solver));
+    if (finds_scale(options, solver)) methods.push_back(with_scale(solver));
   }
   return methods;
 }

@@ -10,6 +10,8 @@
 
 #include <consimd/solvers/registration.hpp>
 
+#include <consimd/studies/outside_solver.hpp>
+
 namespace consimd::studies {
 
 /// Throws std::invalid_argument that names column and value unless `holds`.
@@ -23,8 +25,9 @@ void require_column(bool holds, std::string_view column, const Value& value) {
 
 [[nodiscard]] inline bool is_share(double value) { return value >= 0.0 && value <= 1.0; }
 
-/// Whether a solver reports that status.
+/// Whether a solver reports that status, or an outside program gets it.
 [[nodiscard]] inline bool is_status(std::string_view name) {
+  if (is_failure(name)) return true;
   for (std::uint8_t number = 0;; ++number) {
     const std::string_view status = to_string(static_cast<Status>(number));
     if (status == "unknown") return false;  // the list has ended

@@ -27,10 +27,17 @@ std::string shown(const Json& value) {
   return value.size() > kLongest ? fmt::format("{},... ({} values)", text, value.size()) : text;
 }
 
-std::string first_difference(const Json& there, const Json& here) {
-  for (const auto& [key, value] : here.items()) {
-    const Json other = there.is_object() ? there.value(key, Json()) : Json();
+/// Keys of objects within objects are told one after the other.
+std::string first_difference(const Json& there, const Json& here, const std::string& within = {}) {
+  for (const auto& [name, value] : here.items()) {
+    const std::string key = within + name;
+    const Json other = there.is_object() ? there.value(name, Json()) : Json();
     if (other == value) continue;
+    if (other.is_object() && value.is_object()) {
+      std::string inside = first_difference(other, value, key + " ");
+      if (inside.empty()) inside = fmt::format("it has another {}", key);  // with more than is here
+      return inside;
+    }
     if (other.is_array() && value.is_array() && shown(other) == shown(value)) {
       return fmt::format("it has another list of {} values", key);
     }
@@ -52,6 +59,29 @@ Json environment_json(std::string_view isa, int threads) {
   json["isa"] = isa;
   json["threads"] = threads;
   return json;
+}
+
+Json outside_json(const OutsideSolvers& outside) {
+  Json json = Json::object();
+  for (const OutsideSolver& solver : outside) {
+    json[solver.name] = {{"command", solver.command}, {"version", solver.version}, {"time limit", solver.time_limit}};
+  }
+  return json;
+}
+
+OutsideSolvers outside_of(const Json& json) {
+  OutsideSolvers outside;
+  try {
+    for (const auto& [name, solver] : json.items()) {
+      outside.push_back({.name = name,
+                         .command = solver.at("command").get<std::string>(),
+                         .version = solver.at("version").get<std::string>(),
+                         .time_limit = solver.at("time limit").get<double>()});
+    }
+  } catch (const Json::exception& error) {
+    throw std::invalid_argument(fmt::format("not the summary of a study: {}", error.what()));
+  }
+  return outside;
 }
 
 std::string summary_text(const Json& summary) {

@@ -60,6 +60,7 @@ std::string to_csv_row(const CellSummary& cell) { return csv_row(kCellColumns, c
 
 void StudySummary::add(const TrialRecord& record) {
   open_.push_back(record);
+  failures_.add(record.solver, record.status);
   seconds_.push_back(record.seconds);
   if (open_.size() < trials_) return;
   cells_.push_back(summarise(open_));
@@ -77,18 +78,10 @@ std::vector<RatioSummary> StudySummary::ratios() const {
   return ordered;
 }
 
-namespace {
-
 StudySummary summarise(const TrialTable& table) {
   StudySummary summary(table.options());
   table.for_each([&](const TrialRecord& record) { summary.add(record); });
   return summary;
 }
-
-}  // namespace
-
-std::vector<CellSummary> summarise_cells(const TrialTable& table) { return summarise(table).cells(); }
-
-std::vector<RatioSummary> summarise_ratios(const TrialTable& table) { return summarise(table).ratios(); }
 
 }  // namespace consimd::studies

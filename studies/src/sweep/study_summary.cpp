@@ -13,9 +13,11 @@ namespace consimd::studies {
 namespace {
 
 Json to_json(const SweepOptions& options) {
-  return {{"points", options.points}, {"outliers", options.outlier_ratios}, {"sigma", options.sigmas},
-          {"trials", options.trials}, {"solver", options.solvers},          {"filter", to_string(options.filter)},
-          {"seed", options.seed}};
+  Json json{{"points", options.points}, {"outliers", options.outlier_ratios}, {"sigma", options.sigmas},
+            {"trials", options.trials}, {"solver", options.solvers},          {"filter", to_string(options.filter)},
+            {"seed", options.seed}};
+  if (!options.outside.empty()) json["outside"] = outside_json(options.outside);
+  return json;
 }
 
 /// Adds what was run to an environment.
@@ -98,6 +100,7 @@ SweepOptions options_of(std::string_view summary) {
     there.at("solver").get_to(options.solvers);
     options.filter = filter_by_name(there.at("filter").get<std::string>());
     read_whole_number(there, "seed", options.seed);
+    if (there.contains("outside")) options.outside = outside_of(there.at("outside"));
   } catch (const Json::exception& error) {
     throw std::invalid_argument(fmt::format("not the summary of a study: {}", error.what()));
   }

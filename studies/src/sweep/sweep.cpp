@@ -1,9 +1,11 @@
 #include <consimd/studies/sweep.hpp>
 
+#include <memory>
 #include <mutex>
 #include <optional>
 #include <utility>
 
+#include <fmt/format.h>
 #include <tbb/parallel_for.h>
 #include <tbb/task_arena.h>
 
@@ -54,42 +56,61 @@ class MissingProblems {
   std::size_t position_ = 0;
 };
 
-std::vector<TrialRecord> run_job(const Job& job, const SweepOptions& options) {
-  const synth::Problem problem = synth::noise_study_problem({.correspondences = options.points,
-                                                             .outlier_ratio = job.outlier_ratio,
-                                                             .sigma = job.sigma,
-                                                             .seed = options.seed,
-                                                             .trial = job.trial});
+struct Trial {
+  TrialRecord record;
+  std::string failure;  // of an outside program
+};
+
+std::vector<Trial> run_job(const Job& job, const SweepOptions& options) {
+  // Outside solvers may keep the points.
+  const auto shared =
+      std::make_shared<const synth::Problem>(synth::noise_study_problem({.correspondences = options.points,
+                                                                         .outlier_ratio = job.outlier_ratio,
+                                                                         .sigma = job.sigma,
+                                                                         .seed = options.seed,
+                                                                         .trial = job.trial}));
+  const synth::Problem& problem = *shared;
   const Correspondences correspondences = problem.correspondences();
   const RigidTransform& truth = problem.T_target_source;
   const RigidTransform oracle = synth::oracle(problem);
 
-  std::vector<TrialRecord> records;
+  std::vector<Trial> trials;
   for (const std::string& solver : job.solvers) {
     const std::uint64_t seed = options.seed + job.trial;
-    const Registration result =
-        register_by_name(solver, correspondences,
-                         {.noise_bound = synth::noise_study_bound(job.sigma), .seed = seed, .filter = options.filter});
+    const double bound = synth::noise_study_bound(job.sigma);
+    const OutsideSolver* outside = find_outside(options.outside, solver);
+    const Outcome result =
+        outside == nullptr
+            ? outcome_of(register_by_name(solver, correspondences,
+                                          {.noise_bound = bound, .seed = seed, .filter = options.filter}))
+            : run_outside(*outside, {.problem = shared,
+                                     .correspondences = correspondences,
+                                     .noise_bound = bound,
+                                     .seed = seed,
+                                     .filter = options.filter,
+                                     .name = fmt::format("trial {} at outlier ratio {} and sigma {}", job.trial,
+                                                         job.outlier_ratio, job.sigma)});
     const RigidTransform& pose = result.T_target_source;
     const double rmse = synth::rmse_true_inliers(problem, pose, result.scale);
-    const synth::InlierQuality quality = synth::inlier_quality(problem, result.inliers);
-    records.push_back({.solver = solver,
-                       .outlier_ratio = job.outlier_ratio,
-                       .sigma = job.sigma,
-                       .trial = job.trial,
-                       .seed = seed,
-                       .status = std::string(to_string(result.status)),
-                       .success = result.has_pose() && rmse < 3.0 * job.sigma,
-                       .rmse_true_inliers = rmse,
-                       .rotation_error_deg = synth::rotation_error_deg(pose, truth),
-                       .translation_error = synth::translation_error(pose, truth),
-                       .oracle_rotation_error_deg = synth::rotation_error_deg(oracle, truth),
-                       .oracle_translation_error = synth::translation_error(oracle, truth),
-                       .inlier_precision = quality.precision,
-                       .inlier_recall = quality.recall,
-                       .seconds = result.seconds});
+    const synth::InlierQuality quality = synth::inlier_quality(problem, result.kept);
+    trials.push_back({.record = {.solver = solver,
+                                 .outlier_ratio = job.outlier_ratio,
+                                 .sigma = job.sigma,
+                                 .trial = job.trial,
+                                 .seed = seed,
+                                 .status = result.status,
+                                 .success = result.has_pose && rmse < 3.0 * job.sigma,
+                                 .rmse_true_inliers = rmse,
+                                 .rotation_error_deg = synth::rotation_error_deg(pose, truth),
+                                 .translation_error = synth::translation_error(pose, truth),
+                                 .oracle_rotation_error_deg = synth::rotation_error_deg(oracle, truth),
+                                 .oracle_translation_error = synth::translation_error(oracle, truth),
+                                 .inlier_precision = quality.precision,
+                                 .inlier_recall = quality.recall,
+                                 .seconds = result.seconds},
+                      .failure = result.failure});
   }
-  return records;
+  return trials;
 }
 
 }  // namespace
@@ -109,9 +130,10 @@ void run_sweep(TrialTable& table, const SweepControl& control) {
     if (!job) return;
     // Isolated: a thread that waits inside a solver must not pick up another problem, whose time would count as this
     // one's.
-    std::vector<TrialRecord> records = tbb::this_task_arena::isolate([&] { return run_job(*job, table.options()); });
+    std::vector<Trial> trials = tbb::this_task_arena::isolate([&] { return run_job(*job, table.options()); });
     const std::lock_guard lock(filing);
-    for (TrialRecord& record : records) {
+    for (auto& [record, failure] : trials) {
+      if (control.on_failure && !failure.empty()) control.on_failure(failure);
       if (control.on_trial) control.on_trial(record);
       table.put(std::move(record));
     }

@@ -6,8 +6,6 @@
 
 #include <fmt/format.h>
 
-#include <consimd/solvers/registry.hpp>
-
 #include <consimd/studies/value_list.hpp>
 
 namespace consimd::studies {
@@ -70,7 +68,8 @@ void validate(const SweepOptions& options) {
     throw std::invalid_argument(fmt::format("trials: expected at most {} in all, got {} in {} cells", kMostInAll,
                                             options.trials, options.cells()));
   }
-  for (const std::string& solver : options.solvers) static_cast<void>(SolverChoice(solver));
+  require_outside_solvers(options.outside, options.solvers);
+  for (const std::string& solver : options.solvers) static_cast<void>(solver_label(options.outside, solver));
 }
 
 }  // namespace consimd::studies

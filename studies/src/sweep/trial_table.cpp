@@ -23,7 +23,7 @@ std::size_t position(const Places& places, const typename Places::key_type& valu
 
 SweepOptions validated(SweepOptions options) {
   // However a solver's options were spelt, its name in the tables is one.
-  for (std::string& solver : options.solvers) solver = SolverChoice(solver).label();
+  for (std::string& solver : options.solvers) solver = solver_label(options.outside, solver);
   validate(options);
   return options;
 }

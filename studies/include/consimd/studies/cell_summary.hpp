@@ -82,6 +82,7 @@ class StudySummary {
   [[nodiscard]] const std::vector<CellSummary>& cells() const noexcept { return cells_; }
   /// Ordered by outlier ratio, then solver, so that solvers stand beside each other.
   [[nodiscard]] std::vector<RatioSummary> ratios() const;
+  [[nodiscard]] const FailureCounts& failures() const noexcept { return failures_; }
 
  private:
   std::size_t trials_;
@@ -89,13 +90,13 @@ class StudySummary {
   std::size_t solvers_;
   std::vector<TrialRecord> open_;  // of a cell
   std::vector<double> seconds_;    // of an outlier ratio
+  FailureCounts failures_;
   std::vector<CellSummary> cells_;
   std::vector<RatioSummary> rows_;  // in the order of the table
 };
 
-/// The same of a table that is complete and keeps records.
-[[nodiscard]] std::vector<CellSummary> summarise_cells(const TrialTable& table);
-[[nodiscard]] std::vector<RatioSummary> summarise_ratios(const TrialTable& table);
+/// That of a table that is complete and keeps records.
+[[nodiscard]] StudySummary summarise(const TrialTable& table);
 
 }  // namespace studies
 }  // namespace consimd

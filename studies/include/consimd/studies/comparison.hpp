@@ -11,6 +11,7 @@
 
 #include <consimd/kernels/export.hpp>
 #include <consimd/studies/case_group.hpp>
+#include <consimd/studies/outside_solver.hpp>
 #include <consimd/studies/run_record.hpp>
 
 namespace consimd {
@@ -20,12 +21,14 @@ namespace CONSIMD_EXPORT studies {
 /// and when.
 class Comparison {
  public:
-  /// Every method of a group runs `runs` times on each of its cases, with the case's seed, seed + 1, ... Throws
-  /// std::invalid_argument on a method or a case that is there twice and on a name that a CSV table cannot hold.
-  Comparison(std::vector<CaseGroup> groups, std::uint32_t runs);
+  /// Every method of a group runs `runs` times on each of its cases, with the case's seed, seed + 1, ... A method may
+  /// be the name of one of `outside`, alone or after TCF's filter ("tcf+mine"). Throws std::invalid_argument on a
+  /// method or a case that is there twice and on a name that a CSV table cannot hold.
+  Comparison(std::vector<CaseGroup> groups, std::uint32_t runs, OutsideSolvers outside = {});
 
   [[nodiscard]] const std::vector<CaseGroup>& groups() const noexcept { return groups_; }
   [[nodiscard]] std::uint32_t runs() const noexcept { return runs_; }
+  [[nodiscard]] const OutsideSolvers& outside() const noexcept { return outside_; }
   [[nodiscard]] std::size_t size() const noexcept { return slots_.size(); }
   [[nodiscard]] std::size_t filled() const noexcept { return filled_count_; }
   [[nodiscard]] bool complete() const noexcept { return filled() == size(); }
@@ -46,6 +49,7 @@ class Comparison {
 
   std::vector<CaseGroup> groups_;
   std::uint32_t runs_;
+  OutsideSolvers outside_;
   std::map<Key, std::size_t, std::less<>> slots_;
   std::vector<RunRecord> records_;
   std::vector<bool> filled_;
@@ -55,13 +59,16 @@ class Comparison {
 struct ComparisonControl {
   /// Called after every run, before its record enters the comparison.
   std::function<void(const RunRecord&)> on_run = {};
+  /// Told how an outside program failed, and on which case, before `on_run` gets that run.
+  std::function<void(const std::string&)> on_failure = {};
   /// Asked before every run; true ends the comparison.
   std::function<bool()> stop_requested = {};
 };
 
 /// Makes the runs that are missing, one at a time, so that each has all threads of the caller's arena and times are not
 /// disturbed by one another. Starts with the first case of every group, so that a comparison stopped early covers all
-/// groups.
+/// groups. What an outside solver throws, and a wrong answer (see `run_outside`), end the comparison with that
+/// exception.
 void run_comparison(Comparison& comparison, const ComparisonControl& control = {});
 
 }  // namespace studies

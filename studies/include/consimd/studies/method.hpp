@@ -2,26 +2,17 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <string_view>
-#include <vector>
 
 #include <consimd/kernels/correspondences.hpp>
 #include <consimd/kernels/export.hpp>
-#include <consimd/poses/rigid_fit.hpp>
+#include <consimd/studies/outcome.hpp>
+#include <consimd/studies/outside_solver.hpp>
 
 namespace consimd {
 namespace CONSIMD_EXPORT studies {
-
-/// What a method made of a problem.
-struct Outcome {
-  std::string status;  ///< a solver's, or "pose", "no_pose" or "rows" (a set without a pose) of stages
-  bool has_pose = false;
-  RigidTransform T_target_source = RigidTransform::Identity();  ///< of the scaled source
-  double scale = 1.0;                                           ///< of the source
-  std::vector<std::uint32_t> kept = {};  ///< rows left in the end: a pose's inliers, or what the last stage let through
-  double seconds = 0.0;
-};
 
 /// A method is named
 ///   "ransac"              a solver, as SolverChoice takes it: options may follow, "ransac:max_iterations=1000"
@@ -34,6 +25,18 @@ struct Outcome {
 /// Throws std::invalid_argument on another name.
 [[nodiscard]] Outcome run_method(std::string_view name, const Correspondences& correspondences, double noise_bound,
                                  std::uint64_t seed);
+
+/// Whether it is one of the last two: these names are taken.
+[[nodiscard]] bool is_method_of_stages(std::string_view name);
+
+/// A method that runs an outside solver: its name, after TCF's filter or not.
+struct OutsideMethod {
+  const OutsideSolver* solver;
+  Filter filter;
+};
+
+/// None if the method runs no solver of `outside`.
+[[nodiscard]] std::optional<OutsideMethod> outside_method(const OutsideSolvers& outside, std::string_view name);
 
 /// The values of all options, defaults included, of the solver that a method runs; empty for stages and plain RANSAC.
 /// Throws as above.

@@ -9,6 +9,7 @@
 
 #include <consimd/kernels/export.hpp>
 #include <consimd/studies/comparison.hpp>
+#include <consimd/studies/outside_solver.hpp>
 #include <consimd/studies/text_table.hpp>
 
 namespace consimd {
@@ -25,7 +26,8 @@ struct TableInfo {
 /// What is to be run and told.
 struct TableOptions {
   std::vector<std::string> tables;        ///< names of paper_tables()
-  std::vector<std::string> solvers;       ///< of "solvers" and "boost", as SolverChoice takes them
+  std::vector<std::string> solvers;       ///< of "solvers" and "boost", as SolverChoice takes them, or outside ones
+  OutsideSolvers outside = {};            ///< those that `solvers` names
   bool filtered = false;                  ///< "solvers" after TCF's filter
   std::string preset = "case";            ///< of success limits, told in captions
   std::vector<std::uint32_t> iterations;  ///< of "iterations"

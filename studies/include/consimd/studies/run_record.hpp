@@ -41,7 +41,8 @@ inline constexpr std::tuple kRunColumns{
     Column{"method", &RunRecord::method, "solver, solver after TCF's filter, or stages of TCF"},
     Column{"seed", &RunRecord::seed, "the method's seed"},
     Column{"status", &RunRecord::status,
-           "why the solver stopped; of stages: pose, no_pose, or rows (a set without one)"},
+           "why the solver stopped; of stages: pose, no_pose, or rows (a set without one); crashed or "
+           "timed_out of an outside program"},
     Column{"success", &RunRecord::success, "1: a pose within the limits of the case; else 0"},
     Column{"rotation_error_deg", &RunRecord::rotation_error_deg,
            "angle between pose and truth, degrees; NaN without a pose"},

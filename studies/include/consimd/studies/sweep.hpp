@@ -2,6 +2,7 @@
 #pragma once
 
 #include <functional>
+#include <string>
 
 #include <consimd/kernels/export.hpp>
 #include <consimd/studies/trial_table.hpp>
@@ -12,6 +13,8 @@ namespace CONSIMD_EXPORT studies {
 struct SweepControl {
   /// Called as trials end, one call at a time, from any thread of the arena, before the record enters the table.
   std::function<void(const TrialRecord&)> on_trial = {};
+  /// Told how an outside program failed, and on which problem, before `on_trial` gets that trial.
+  std::function<void(const std::string&)> on_failure = {};
   /// Asked before every problem, from any thread; true ends the sweep once the running problems are done.
   std::function<bool()> stop_requested = {};
 };
@@ -20,8 +23,10 @@ struct SweepControl {
 ///
 /// The data of trial k depend on (seed, outlier ratio, sigma, k) alone, so every solver sees the same bytes; solvers
 /// run with seed + k and the bound 3 sigma. Results do not depend on the number of threads or on what `table` held
-/// before. Problems start in rounds of one trial of every cell: a study stopped early covers all cells evenly, and the
-/// time left can be told from the time passed.
+/// before. Outside solvers are called from the arena's threads, several at once; what one throws, and a wrong answer
+/// (see `run_outside`), end the sweep with that exception once the running problems are done. Problems start in rounds
+/// of one trial of every cell: a study stopped early covers all cells evenly, and the time left can be told from the
+/// time passed.
 void run_sweep(TrialTable& table, const SweepControl& control = {});
 
 }  // namespace studies

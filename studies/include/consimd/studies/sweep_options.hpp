@@ -9,6 +9,7 @@
 
 #include <consimd/kernels/export.hpp>
 #include <consimd/solvers/solver.hpp>
+#include <consimd/studies/outside_solver.hpp>
 
 namespace consimd {
 namespace CONSIMD_EXPORT studies {
@@ -23,7 +24,8 @@ struct SweepOptions {
   std::vector<double> outlier_ratios;          ///< in [0, 1)
   std::vector<double> sigmas;                  ///< standard deviations of the inliers' noise, metres, > 0
   std::uint32_t trials = 100;                  ///< problems per outlier ratio and noise level
-  std::vector<std::string> solvers = {"tcf"};  ///< as SolverChoice takes them
+  std::vector<std::string> solvers = {"tcf"};  ///< as SolverChoice takes them, or names of outside solvers
+  OutsideSolvers outside = {};                 ///< those that `solvers` names
   Filter filter = Filter::none;                ///< before every solver
   std::uint64_t seed = 1;                      ///< of the data; trial k runs its solvers with seed + k
 
@@ -33,7 +35,8 @@ struct SweepOptions {
 };
 
 /// Throws std::invalid_argument on the first bad value: an empty or repeated list entry, a value out of range, an
-/// outlier ratio that leaves fewer than three inliers, an unknown solver, a bad option of one.
+/// outlier ratio that leaves fewer than three inliers, an unknown solver, a bad option of one, an outside solver that
+/// `require_outside_solvers` refuses or the list lacks.
 void validate(const SweepOptions& options);
 
 }  // namespace studies

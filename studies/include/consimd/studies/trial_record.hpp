@@ -38,7 +38,7 @@ inline constexpr std::tuple kTrialColumns{
     Column{"sigma", &TrialRecord::sigma, "standard deviation of an inlier's noise, metres an axis"},
     Column{"trial", &TrialRecord::trial, "number of the problem in its cell, from 0"},
     Column{"seed", &TrialRecord::seed, "the solver's seed"},
-    Column{"status", &TrialRecord::status, "why the solver stopped"},
+    Column{"status", &TrialRecord::status, "why the solver stopped; crashed or timed_out of an outside program"},
     Column{"success", &TrialRecord::success, "1: a pose, and an RMSE of the true inliers below 3 sigma; else 0"},
     Column{"rmse_true_inliers", &TrialRecord::rmse_true_inliers,
            "root mean square residual of the true inliers under the pose, metres; without a pose, here and in the "

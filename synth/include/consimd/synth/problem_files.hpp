@@ -33,9 +33,12 @@ void write_pose(const RigidTransform& pose, double scale, const std::filesystem:
 /// where there is one.
 [[nodiscard]] Correspondences read_correspondences(const std::filesystem::path& path);
 
-/// Reads a 4 x 4 or 3 x 4 matrix [R t]; a fourth row may be off 0 0 0 1 by rounding. R must be a rotation within 1e-3
-/// an entry of R R^T, as files with few digits are; the nearest rotation is returned. Throws std::runtime_error that
-/// names the file.
+/// [R t] with the rotation nearest to `rotation`, which is one within 1e-3 an entry of R R^T, as numbers with few
+/// digits are. Throws std::invalid_argument if it is not, or is a reflection.
+[[nodiscard]] RigidTransform nearest_pose(const Eigen::Matrix3d& rotation, const Eigen::Vector3d& translation);
+
+/// Reads a 4 x 4 or 3 x 4 matrix [R t]; a fourth row may be off 0 0 0 1 by rounding. The nearest pose is
+/// returned. Throws std::runtime_error that names the file, also if R is no rotation, as above.
 [[nodiscard]] RigidTransform read_pose(const std::filesystem::path& path);
 
 /// x_target = R (scale * x_source) + t.
