@@ -13,7 +13,7 @@ if TYPE_CHECKING:
     import numpy as np
     from numpy.typing import ArrayLike, NDArray
 
-    from consimd.features import Refinement
+    from consimd.features import CloudVerdict, Refinement
 
 
 class Status(str, enum.Enum):
@@ -118,6 +118,10 @@ class Registration:
     `assume_inliers` only."""
     refinement: Refinement | None = None
     """Of `register_clouds`, where it was asked for and there was a pose to start from."""
+    verdict: CloudVerdict | None = None
+    """Of `register_clouds`, where the clouds were to decide."""
+    attempts: int = 1
+    """Of `register_clouds`: of the front end; all else is of the one whose pose is the less likely by chance."""
 
     @property
     def has_pose(self) -> bool:
@@ -244,6 +248,12 @@ def register(
         fields["residuals"] = np.frombuffer(fields["residuals"], np.float64)
     else:
         fields = _core.run_solver(rows, solver, noise_bound, seed, filter, threads, options)
+    return _registration(fields, correspondences=len(rows), solver=solver, filter=filter)
+
+
+def _registration(fields: dict[str, Any], **known: Any) -> Registration:
+    import numpy as np
+
     if fields["pose"] is not None:
         fields["pose"] = np.frombuffer(fields["pose"], np.float64).reshape(4, 4)
     fields["covariance"] = np.frombuffer(fields["covariance"], np.float64).reshape(6, 6)
@@ -253,7 +263,7 @@ def register(
     for name in ("runner_up", "refused"):
         if fields[name] is not None:
             fields[name] = RunnerUp(*fields[name])
-    return Registration(correspondences=len(rows), solver=solver, filter=filter, **fields)
+    return Registration(**known, **fields)
 
 
 def estimate_noise_bound(

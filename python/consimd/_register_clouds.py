@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-import dataclasses
+import inspect
 from typing import TYPE_CHECKING, Any, Literal, NamedTuple
 
-from consimd._register import Registration, Stage, register
-from consimd.features import CloudMatches, _refined, match_clouds
+from consimd import _core
+from consimd._register import Registration, Status, _registration
+from consimd.features import CloudMatches, CloudVerdict, PoseEvidence, _matches, _refinement, match_clouds
 
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike
@@ -28,6 +29,7 @@ def register_clouds(
     solver: str = "tcf",
     seed: int = 1,
     *,
+    verify: bool = True,
     refine: Literal["point", "plane", "gicp"] | None = None,
     threads: int | None = None,
     **options: Any,
@@ -35,26 +37,35 @@ def register_clouds(
     """Finds the rigid motion between two scans, (N, 3) and (M, 3).
 
     noise_bound, solver, seed, threads: as in `register`; None: the noise bound is three times the clouds' resolution.
+    verify: lets the clouds decide over the pose of their correspondences: their surfaces must agree better than at
+    displaced poses, and neither scan may have seen through what the other has. Where they bear no pose out, or leave it in
+    doubt, the front end is tried once more with voxels of one and a half times the side.
     refine: refines the pose on the voxels of the clouds, within the noise bound, by a method of `features.refine`. Where
-    that converges the registration has the refined pose and its covariance; inliers and status are those of the
-    correspondences. Its `refinement` tells how it went.
+    that converges the registration has the refined pose and its covariance; inliers and status stay as they were. Its
+    `refinement` tells how it went, its `verdict` what the clouds said.
     voxel, seed, threads and options: as in `features.match_clouds`.
+
+    Never raises for want of a pose: the status says so. Ctrl-C raises KeyboardInterrupt at once.
     """
-    matches = match_clouds(source, target, voxel, seed=seed, threads=threads, **options)
-    bound = matches.noise_bound if noise_bound is None else noise_bound
-    registration = register(matches.source_points, matches.target_points, bound, solver, seed, threads=threads)
-    if refine is None or registration.pose is None:
-        return CloudRegistration(registration, matches)
-    refined = _refined(
-        source, target, registration.pose, refine, matches.voxel, options.get("normal_radius", 2.0),
-        options.get("descriptor_radius", 5.0), registration.noise_bound, 50, options.get("missing"), threads,
-    )  # fmt: skip
-    voxels = matches.source.voxels
-    changed: dict[str, Any] = {
-        "refinement": refined,
-        "stages": (*registration.stages, Stage("refine", voxels, refined.pairs, refined.iterations, refined.seconds)),
-        "seconds": registration.seconds + refined.seconds,
-    }
-    if refined.has_pose:
-        changed |= {"pose": refined.pose, "covariance": refined.covariance}
-    return CloudRegistration(dataclasses.replace(registration, **changed), matches)
+    matching = inspect.signature(match_clouds).bind(source, target, voxel, seed=seed, threads=threads, **options)
+    matching.apply_defaults()
+    fields = _core.register_clouds(
+        **matching.arguments, noise_bound=noise_bound, solver=solver, verify=verify, refine=refine
+    )
+    matches = _matches(fields["matches"])
+    verdict = None
+    if fields["verdict"] is not None:
+        pose, runner_up, log10_of_both, status = fields["verdict"]
+        evidence = [None if numbers is None else PoseEvidence(*numbers) for numbers in (pose, runner_up)]
+        verdict = CloudVerdict(evidence[0], evidence[1], log10_of_both, Status(status))
+    refinement = None if fields["refinement"] is None else _refinement(fields["refinement"])
+    registration = _registration(
+        fields["registration"],
+        correspondences=len(matches.source_points),
+        solver=solver,
+        filter="none",
+        refinement=refinement,
+        verdict=verdict,
+        attempts=fields["attempts"],
+    )
+    return CloudRegistration(registration, matches)

@@ -16,7 +16,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Literal, NamedTuple
 
 from consimd import _core
-from consimd._register import Stage
+from consimd._register import Stage, Status
 
 if TYPE_CHECKING:
     import numpy as np
@@ -25,6 +25,8 @@ if TYPE_CHECKING:
 __all__ = [
     "CloudMatches",
     "CloudSummary",
+    "CloudVerdict",
+    "PoseEvidence",
     "Refinement",
     "RefinementStatus",
     "fpfh",
@@ -118,6 +120,34 @@ class Refinement:
     def has_pose(self) -> bool:
         """Whether `pose` is better than the start: the status is converged."""
         return self.status is RefinementStatus.CONVERGED
+
+
+class PoseEvidence(NamedTuple):
+    """How well two clouds agree at a pose. A sample is a surface point of one of them, brought into the other's frame."""
+
+    log10_chance: float
+    """log10 of the chance that clouds which have nothing in common but what every displacement keeps agree as well."""
+    agreement: float
+    """Share of samples that lie on a surface of the other cloud, of like orientation."""
+    seen_through: float
+    """Share of samples where the other scan saw nothing but what is farther away."""
+    samples: int
+    """0: a cloud has no surfaces, and nothing is known."""
+    displacements: int
+    """Poses that the chance comes from."""
+
+
+class CloudVerdict(NamedTuple):
+    """What two clouds made of a registration of their correspondences."""
+
+    pose: PoseEvidence | None
+    """Of the correspondences' pose, or of the one that they were too few for; None where there is neither."""
+    runner_up: PoseEvidence | None
+    log10_of_both: float
+    """log10 of the chance of the pose that stands: that of the clouds' agreement times the number of such poses that the
+    correspondences give by chance. 0 where none stands."""
+    of_correspondences: Status
+    """The status that the correspondences alone gave."""
 
 
 def voxel_grid(points: ArrayLike, voxel: float, *, missing: float | None = None) -> NDArray[np.float64]:
@@ -225,13 +255,14 @@ def refine(
 
     Never raises for want of a pose: the status says so. ValueError on a bad value. Ctrl-C raises KeyboardInterrupt at once.
     """
-    return _refined(
-        source, target, pose, method, voxel, normal_radius, normal_radius, max_distance, max_iterations, missing, threads
+    return _refinement(
+        _core.refine(
+            source, target, pose, method, voxel, normal_radius, normal_radius, max_distance, max_iterations, missing, threads
+        )
     )
 
 
-def _refined(source: ArrayLike, target: ArrayLike, *arguments: Any) -> Refinement:
-    fields = _core.refine(source, target, *arguments)
+def _refinement(fields: dict[str, Any]) -> Refinement:
     fields["status"] = RefinementStatus(fields["status"])
     return Refinement(**fields)
 
@@ -265,10 +296,10 @@ def match_clouds(
 
     ValueError on an empty cloud or a bad value. Ctrl-C raises KeyboardInterrupt at once.
     """
-    fields = _core.match_clouds(
-        source, target, voxel, normal_radius, descriptor_radius, keypoints, iss, iss_radius, iss_suppression_radius, best, mutual, ratio, seed,
-        source_viewpoint, target_viewpoint, missing, threads,
-    )  # fmt: skip
+    return _matches(_core.match_clouds(**locals()))
+
+
+def _matches(fields: dict[str, Any]) -> CloudMatches:
     for side in ("source", "target"):
         fields[side] = CloudSummary(*fields[side])
     fields["stages"] = tuple(Stage(*stage) for stage in fields["stages"])

@@ -22,6 +22,7 @@
 #include "bindings.hpp"
 #include "interruptible_call.hpp"
 #include "named_values.hpp"
+#include "result_fields.hpp"
 #include "solver_options.hpp"
 #include "threads.hpp"
 
@@ -49,8 +50,68 @@ nb::bytearray to_bytes(const Numbers& numbers) {
   return nb::bytearray(numbers.data(), static_cast<std::size_t>(numbers.size()) * sizeof(*numbers.data()));
 }
 
-/// The fields of consimd.Registration but for those that its caller knows.
-nb::dict to_dict(const Registration& result) {
+/// Milliseconds at most, so that a signal can wait, and the thread that `call_interruptibly` starts would cost as much
+/// again.
+bool is_brief(std::string_view solver, std::size_t rows, const SolverOptions& options, const nb::dict& given) {
+  constexpr std::size_t kMostRows = 20'000;
+  return solver == "tcf" && options.noise_bound && rows <= kMostRows && given.empty();
+}
+
+nb::dict run_solver(const SharedCorrespondences& correspondences, std::string_view solver,
+                    std::optional<double> noise_bound, std::uint64_t seed, std::string_view filter,
+                    std::optional<int> threads, const nb::dict& given) {
+  SolverOptions options;
+  options.noise_bound = noise_bound;
+  options.seed = seed;
+  options.filter = filter_by_name(filter);
+  const std::optional<int> limit = checked_threads(threads);
+  const SolverChoice choice = solver_with_options(solver, given);
+  const auto rows = correspondences.rows;
+  const bool brief = is_brief(solver, rows->size(), options, given);
+  const auto work = [rows, choice, options, limit] {
+    return with_threads(limit, [&] { return register_by_choice(choice, *rows, options); });
+  };
+  if (!brief) return registration_fields(interruptible_result<Registration>(work));
+  Registration result;
+  {
+    const nb::gil_scoped_release unlocked;
+    result = work();
+  }
+  return registration_fields(result);
+}
+
+nb::dict run_assumed_inliers(const SharedCorrespondences& correspondences) {
+  AssumedInliers result;
+  {
+    const nb::gil_scoped_release unlocked;
+    result = register_assumed_inliers(*correspondences.rows);
+  }
+  nb::dict fields = registration_fields(result.registration);
+  fields["residuals"] = to_bytes(result.residuals);
+  fields["sigma"] = result.sigma;
+  fields["geometry"] = to_string(result.geometry);
+  return fields;
+}
+
+nb::tuple estimate(const SharedCorrespondences& correspondences, std::uint64_t seed, std::optional<int> threads) {
+  const auto rows = correspondences.rows;
+  const std::optional<int> limit = checked_threads(threads);
+  const auto result = interruptible_result<NoiseBoundEstimate>(
+      [rows, seed, limit] { return with_threads(limit, [&] { return estimate_noise_bound(*rows, seed); }); });
+  return nb::make_tuple(result.noise_bound, result.log10_false_poses, result.bounds_tried);
+}
+
+Array<double, 6, 6> information_of(
+    ArrayLike pose, const nb::ndarray<const double, nb::shape<6, 6>, nb::c_contig, nb::device::cpu>& covariance,
+    std::string_view library) {
+  const PoseCovariance of_pose = Eigen::Map<const Eigen::Matrix<double, 6, 6, Eigen::RowMajor>>(covariance.data());
+  return to_array(
+      edge_information(transform_from(pose, "pose"), of_pose, value_named<PoseGraphLibrary>(library, "library")));
+}
+
+}  // namespace
+
+nb::dict registration_fields(const Registration& result) {
   nb::dict fields;
   fields["status"] = to_string(result.status);
   fields["pose"] = nb::none();
@@ -80,67 +141,6 @@ nb::dict to_dict(const Registration& result) {
   fields["consistency_bound"] = result.consistency_bound;
   return fields;
 }
-
-/// Milliseconds at most, so that a signal can wait, and the thread that `call_interruptibly` starts would cost as much
-/// again.
-bool is_brief(std::string_view solver, std::size_t rows, const SolverOptions& options, const nb::dict& given) {
-  constexpr std::size_t kMostRows = 20'000;
-  return solver == "tcf" && options.noise_bound && rows <= kMostRows && given.empty();
-}
-
-nb::dict run_solver(const SharedCorrespondences& correspondences, std::string_view solver,
-                    std::optional<double> noise_bound, std::uint64_t seed, std::string_view filter,
-                    std::optional<int> threads, const nb::dict& given) {
-  SolverOptions options;
-  options.noise_bound = noise_bound;
-  options.seed = seed;
-  options.filter = filter_by_name(filter);
-  const std::optional<int> limit = checked_threads(threads);
-  const SolverChoice choice = solver_with_options(solver, given);
-  const auto rows = correspondences.rows;
-  const bool brief = is_brief(solver, rows->size(), options, given);
-  const auto work = [rows, choice, options, limit] {
-    return with_threads(limit, [&] { return register_by_choice(choice, *rows, options); });
-  };
-  if (!brief) return to_dict(interruptible_result<Registration>(work));
-  Registration result;
-  {
-    const nb::gil_scoped_release unlocked;
-    result = work();
-  }
-  return to_dict(result);
-}
-
-nb::dict run_assumed_inliers(const SharedCorrespondences& correspondences) {
-  AssumedInliers result;
-  {
-    const nb::gil_scoped_release unlocked;
-    result = register_assumed_inliers(*correspondences.rows);
-  }
-  nb::dict fields = to_dict(result.registration);
-  fields["residuals"] = to_bytes(result.residuals);
-  fields["sigma"] = result.sigma;
-  fields["geometry"] = to_string(result.geometry);
-  return fields;
-}
-
-nb::tuple estimate(const SharedCorrespondences& correspondences, std::uint64_t seed, std::optional<int> threads) {
-  const auto rows = correspondences.rows;
-  const std::optional<int> limit = checked_threads(threads);
-  const auto result = interruptible_result<NoiseBoundEstimate>(
-      [rows, seed, limit] { return with_threads(limit, [&] { return estimate_noise_bound(*rows, seed); }); });
-  return nb::make_tuple(result.noise_bound, result.log10_false_poses, result.bounds_tried);
-}
-
-Array<double, 6, 6> information_of(
-    ArrayLike pose, const nb::ndarray<const double, nb::shape<6, 6>, nb::c_contig, nb::device::cpu>& covariance,
-    std::string_view library) {
-  const PoseCovariance of_pose = Eigen::Map<const Eigen::Matrix<double, 6, 6, Eigen::RowMajor>>(covariance.data());
-  return to_array(
-      edge_information(transform_from(pose, "pose"), of_pose, value_named<PoseGraphLibrary>(library, "library")));
-}
-
-}  // namespace
 
 void bind_registration(nb::module_& module) {
   module.def("run_solver", &run_solver, nb::arg("correspondences"), nb::arg("solver"), nb::arg("noise_bound").none(),

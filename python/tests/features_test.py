@@ -49,6 +49,18 @@ def test_register_clouds_is_that_of_the_command(scans, command, tmp_path):
     assert registration.pose.tolist() == said["runs"][0]["T_target_source"]
     assert matches.noise_bound == said["noise_bound"]
     assert len(matches.distances) == said["correspondences"]
+    evidence, verdict = registration.verdict.pose, said["runs"][0]["verification"]
+    assert registration.verdict.of_correspondences == verdict["of_correspondences"] == "success"
+    assert evidence.log10_chance == verdict["pose"]["log10_chance"] and evidence.agreement == verdict["pose"]["agreement"]
+    assert registration.attempts == said["runs"][0]["attempts"]
+    alone = consimd.register_clouds(*scans, voxel=0.15, verify=False)
+    assert alone.registration.verdict is None and alone.registration.stages[-1].name != "verification"
+
+
+def test_clouds_refuse_what_is_no_pose():
+    draw = np.random.default_rng(3)
+    registration, _ = consimd.register_clouds(draw.uniform(-5, 5, (3000, 3)), draw.uniform(-5, 5, (3000, 3)))
+    assert registration.pose is None and registration.attempts == 2
 
 
 def test_refined_registration_is_that_of_the_command(scans, command, tmp_path):

@@ -27,13 +27,15 @@ CPP_ALONE = {
     | {"read_text", "remove_abandoned_files"},
     # Files, the parts that match_clouds is made of, and what consimd.features calls normals.
     "features": {"read_cloud", "choose_voxel", "occupied_voxels", "random_subset", "radius_neighbours", "resolution",
-                 "estimate_normals", "refine_registration", "parse_refinement_method", "to_string", "moved_ply"},
+                 "estimate_normals", "refine_registration", "parse_refinement_method", "to_string", "moved_ply",
+                 "verify_registration", "decide", "is_borne_out"},
 }
 # Of Python alone: classes, and bit sets as masks.
 PYTHON_ALONE = {
     "kernels": {"ConsistencyMatrix", "Correspondences", "RigidFit", "RigidMoments", "pack_bits", "unpack_bits"},
     "synth": {"Problem"},
-    "features": {"CloudMatches", "CloudSummary", "Refinement", "RefinementStatus", "normals"},
+    "features": {"CloudMatches", "CloudSummary", "CloudVerdict", "PoseEvidence", "Refinement", "RefinementStatus",
+                 "normals"},
 }
 RENAMED = {"T_target_source": "pose"}
 

@@ -47,6 +47,9 @@ def assert_same(result, run):
         assert result.runner_up.pose.tolist() == run["runner_up"]["T_target_source"]
         assert result.runner_up.support == run["runner_up"]["support"]
         assert result.runner_up.scale == run["runner_up"].get("scale", 1.0)
+    assert (result.refused is None) == ("refused" not in run)
+    if result.refused is not None:
+        assert result.refused.pose.tolist() == run["refused"]["T_target_source"]
 
 
 @pytest.mark.parametrize("solver", consimd.solvers())
