@@ -18,6 +18,7 @@
 #include <consimd/synth/metrics.hpp>
 #include <consimd/synth/problem_files.hpp>
 
+#include <consimd/studies/registration_picture.hpp>
 #include <consimd/studies/replace_file.hpp>
 #include "cloud_arguments.hpp"
 #include "commands.hpp"
@@ -47,6 +48,8 @@ struct Options {
   std::string json;
   std::string save_pose;
   std::string save_inliers;
+  std::string view;
+  std::string picture;
 };
 
 void check(const Options& options) {
@@ -68,10 +71,14 @@ void check(const Options& options) {
   static_cast<void>(filter_by_name(options.filter));
   if (!options.json.empty() && options.json != "-") studies::require_replaceable(options.json);
   for (const auto& [name, file] :
-       {std::pair("--save-pose", options.save_pose), std::pair("--save-inliers", options.save_inliers)}) {
+       {std::pair("--save-pose", options.save_pose), std::pair("--save-inliers", options.save_inliers),
+        std::pair("--view", options.view), std::pair("--picture", options.picture)}) {
     if (file.empty()) continue;
     if (options.repeat != 1) throw std::invalid_argument(fmt::format("{}: writes one run, not --repeat of them", name));
     studies::require_replaceable(file);
+  }
+  if (!options.picture.empty() && std::filesystem::path(options.picture).extension() != ".svg") {
+    throw std::invalid_argument(fmt::format("--picture: draws SVG, so expected a FILE.svg, got '{}'", options.picture));
   }
   if (options.assume_inliers && (options.noise_bound || options.estimate_scale || options.repeat != 1)) {
     throw std::invalid_argument(
@@ -117,11 +124,27 @@ Correspondences read_rows(const std::string& file) {
   }
 }
 
+/// What is looked at, if it is asked for.
+void draw(const Options& options, const RegisterReport& report, const Correspondences& correspondences,
+          const CloudPair& clouds) {
+  studies::RegistrationPicture picture{.correspondences = &correspondences,
+                                       .registration = &report.runs.front(),
+                                       .source_name = options.file,
+                                       .target_name = options.target,
+                                       .solver = report.solver};
+  if (report.clouds) {
+    picture.source = &clouds.source;
+    picture.target = &clouds.target;
+  }
+  if (!options.view.empty()) studies::replace_file(options.view, studies::registration_page(picture));
+  if (!options.picture.empty()) studies::replace_file(options.picture, studies::registration_svg(picture));
+}
+
 /// The correspondences of the file, or those found between the clouds, which also give the noise bound.
-Correspondences load(const Options& options, RegisterReport& report) {
+Correspondences load(const Options& options, CloudPair& clouds, RegisterReport& report) {
   if (options.target.empty()) return read_rows(options.file);
   const features::CloudMatchingOptions matching = matching_options(options.clouds, options.seed);
-  const CloudPair clouds = read_clouds(options.file, options.target, options.clouds);
+  clouds = read_clouds(options.file, options.target, options.clouds);
   report.file += " and " + options.target;
   report.cloud_arguments = options.clouds;
   report.clouds =
@@ -150,7 +173,8 @@ int run_register(const Options& options) {
     truth = report.estimate_scale ? synth::read_scaled_pose(options.truth)
                                   : synth::ScaledPose{synth::read_pose(options.truth)};
   }
-  const Correspondences correspondences = load(options, report);
+  CloudPair clouds;
+  const Correspondences correspondences = load(options, clouds, report);
   report.correspondences = correspondences.size();
 
   with_threads(options.threads, [&] {
@@ -192,6 +216,7 @@ int run_register(const Options& options) {
     studies::replace_file(options.json, to_json(report));
   }
   save(options, report);
+  with_threads(options.threads, [&] { draw(options, report, correspondences, clouds); });
   const bool all_found = std::all_of(report.runs.begin(), report.runs.end(), [](const Registration& run) {
     return run.has_pose() && run.status != Status::ambiguous;
   });
@@ -251,12 +276,18 @@ void add_register_command(CLI::App& app, Action& run) {
       "--save-inliers", options->save_inliers,
       "Write the inliers, if there is a pose, to this file: a row of FILE, or of clouds' --save-correspondences, "
       "a line, counted from 0 without comments");
+  command->add_option(
+      "--view", options->view,
+      "Write a page to look at the result in a browser, with WebGL and without network: clouds before and "
+      "after the pose, inliers and outliers. It needs no pose");
+  command->add_option("--picture", options->picture, "Write the same as a drawing, FILE.svg");
   command->footer(
       "Exit code: 0 when every run found a pose, 1 when one did not or left two to choose from, 2 on bad usage or "
       "input.\n"
       "Examples:\n"
       "  consimd register pair.txt                                           finds out how noisy it is\n"
       "  consimd register source.pcd target.pcd --voxel 0.3                  two scans\n"
+      "  consimd register source.pcd target.pcd --view view.html             and a page to look at them\n"
       "  consimd register pair.txt --noise-bound 0.6                         metres, lidar clouds of 0.3 m voxels\n"
       "  consimd register pair.txt --noise-bound 0.6 --repeat 50 --truth pose.txt\n"
       "  consimd register pair.txt --noise-bound 0.6 --json -                to the next program\n"

@@ -23,7 +23,7 @@ endfunction()
 # Static libraries leave linking oneTBB and fmt to their user.
 set(solvers_requirements consimd-poses)
 set(features_requirements consimd-solvers)
-set(studies_requirements consimd-solvers consimd-synth)
+set(studies_requirements consimd-features consimd-solvers consimd-synth)
 set(CONSIMD_STATIC OFF)
 if(NOT BUILD_SHARED_LIBS)
   set(CONSIMD_STATIC ON)

@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-#: deps [GROUP...]     install what is missing: build, docs, figures, fuzz, lint, neon, python (default: all)
+#: deps [GROUP...]     install what is missing: browser, build, docs, figures, fuzz, lint, neon, python (default: all)
 #: deps --check        list the dependencies: what is installed, what is taken, what the tests passed with
 set -euo pipefail
 

@@ -1,0 +1,11 @@
+// The pages of this folder as the library holds them: what studies/CMakeLists.txt reads into it.
+#pragma once
+
+#include <string_view>
+
+namespace consimd::studies {
+
+extern const std::string_view kRegistrationPage;    ///< registration_page.html
+extern const std::string_view kRegistrationScript;  ///< registration_page.js
+
+}  // namespace consimd::studies
