@@ -30,6 +30,7 @@ from consimd._register import (
 from consimd._register_clouds import CloudRegistration, register_clouds
 from consimd._sweep import SweepResult, sweep
 from consimd._tables import table_columns
+from consimd._view import view
 
 __all__ = [
     "CloudRegistration",
@@ -56,4 +57,5 @@ __all__ = [
     "sweep",
     "synth",
     "table_columns",
+    "view",
 ]

@@ -152,6 +152,12 @@ void Points::widen() {
   array_ = converted(nb::cast(array_), "points", "float64", "f", "real numbers");
 }
 
+Cloud cloud_from(ArrayLike points, std::string_view name, std::optional<double> missing) {
+  const Points array(points, name);
+  if (array.single_precision()) return Cloud(array.span<float>(), missing);
+  return Cloud(array.span<double>(), missing);
+}
+
 std::vector<std::uint32_t> indices_from(ArrayLike indices, std::string_view name, std::size_t columns) {
   constexpr std::string_view kExpected = "whole numbers (of a mask: numpy.flatnonzero(mask))";
   std::optional<AnyArray> found = borrowed(indices.object);

@@ -3,12 +3,14 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <string_view>
 #include <vector>
 
 #include <nanobind/nanobind.h>
 #include <nanobind/ndarray.h>
 
+#include <consimd/kernels/cloud.hpp>
 #include <consimd/kernels/correspondences.hpp>
 #include <consimd/kernels/kernel_data.hpp>
 #include <consimd/poses/rigid_fit.hpp>
@@ -45,6 +47,9 @@ class Points {
  private:
   AnyArray array_;
 };
+
+/// N x 3 points as a cloud, see Cloud's constructor. Throws as Points.
+[[nodiscard]] Cloud cloud_from(ArrayLike points, std::string_view name, std::optional<double> missing);
 
 /// Whole numbers from 0 to 2^32 - 1 in an array of shape (M,), or (M, columns) where columns > 0, row by row. Throws
 /// nb::value_error and nb::type_error that name the argument and the first bad entry.

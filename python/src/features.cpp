@@ -41,12 +41,6 @@ namespace {
 
 using Viewpoint = std::optional<std::array<double, 3>>;
 
-Cloud cloud_from(ArrayLike points, std::string_view name, std::optional<double> missing) {
-  const Points array(points, name);
-  if (array.single_precision()) return Cloud(array.span<float>(), missing);
-  return Cloud(array.span<double>(), missing);
-}
-
 Array<double, -1, 3> points_array(const std::vector<std::array<double, 3>>& points) {
   std::vector<double> values;
   values.reserve(3 * points.size());

@@ -43,6 +43,7 @@ assert_type(consimd.describe_options("ransac")["confidence"].meaning, str)
 
 registration, matches = consimd.register_clouds(points, points, 0.1, solver="ransac", keypoints=None, missing=0)
 assert_type(registration, consimd.Registration)
+consimd.view("view.html", registration, points, points, matches, names=("a", "b"))
 assert_type(matches, features.CloudMatches)
 assert_type(matches.source.voxels, int)
 assert_type(features.normals(features.voxel_grid(points, 1), 2.0), NDArray[np.float32])

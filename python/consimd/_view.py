@@ -1,0 +1,46 @@
+"""Registrations to look at."""
+
+from __future__ import annotations
+
+import os
+from typing import TYPE_CHECKING
+
+from consimd import _core
+from consimd._core import Correspondences
+from consimd._register import Registration
+
+if TYPE_CHECKING:
+    from numpy.typing import ArrayLike
+
+    from consimd.features import CloudMatches
+
+
+def view(
+    file: str | os.PathLike[str],
+    registration: Registration,
+    source: ArrayLike,
+    target: ArrayLike,
+    matches: CloudMatches | None = None,
+    *,
+    names: tuple[str, str] = ("source", "target"),
+    missing: float | None = None,
+) -> None:
+    """Writes a picture of a registration, with a pose or without: points before and after it, inliers and outliers.
+
+    file: to write. Named *.svg it becomes a drawing, else one self-contained HTML page to look around in with a
+        browser, as `consimd register --view` and `--picture` write them. It appears whole or not at all; OSError or
+        RuntimeError where it cannot be written.
+    registration: what `register` or `register_clouds` returned.
+    source, target: the (N, 3) correspondences that were registered; with `matches`, which `register_clouds` returned,
+        the (N, 3) and (M, 3) clouds.
+    names: of the two, as the picture calls them.
+    missing: as in `features.match_clouds`.
+    """
+    clouds = None
+    if matches is None:
+        rows = Correspondences(source, target)
+    else:
+        rows = Correspondences(matches.source_points, matches.target_points)
+        clouds = (source, target)
+    path = os.fspath(file)
+    _core.write_picture(path, path.endswith(".svg"), registration, rows, clouds, missing, *names)
