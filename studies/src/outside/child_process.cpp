@@ -66,10 +66,9 @@ bool wait_for(pollfd* descriptors, nfds_t count, ChildProcess::Clock::time_point
 /// While one lives, writing to a closed pipe is an error of the call, not a signal that would end the process.
 class NoPipeSignal {
  public:
-  NoPipeSignal() {
+  NoPipeSignal() : pending_before_(pending()) {
     sigemptyset(&pipe_);
     sigaddset(&pipe_, SIGPIPE);
-    pending_before_ = pending();
     pthread_sigmask(SIG_BLOCK, &pipe_, &before_);
   }
   ~NoPipeSignal() {
@@ -91,7 +90,7 @@ class NoPipeSignal {
 
   sigset_t pipe_;
   sigset_t before_;
-  bool pending_before_ = false;
+  bool pending_before_;
 };
 
 pid_t spawn(const std::string& command, int input, int output) {
