@@ -13,7 +13,8 @@ using Eigen::Vector3d;
 /// Distance of x from the middle of its period, 0 to 1.
 double folded(double x, double period) { return std::abs(2.0 * (x / period - std::floor(x / period)) - 1.0); }
 
-/// Puts up a scene piece by piece. Lengths in metres; sizes scatter so that no two pairs share a scene.
+/// Puts up a scene piece by piece. Lengths in metres; sizes scatter so that no two pairs share a scene. Random numbers
+/// are drawn one in a statement: in which order the arguments of a call are evaluated is the compiler's choice.
 class Builder {
  public:
   explicit Builder(RandomStream& random) : random_(random) {}
@@ -70,8 +71,10 @@ class Builder {
   }
 
   void poles(int count, double from_axis) {
-    for (int k = 0; k < count; ++k)
-      pole(beside_axis(50.0, from_axis, from_axis + 0.5), 0.12, random_.uniform(5.0, 8.0));
+    for (int k = 0; k < count; ++k) {
+      const Vector3d foot = beside_axis(50.0, from_axis, from_axis + 0.5);
+      pole(foot, 0.12, random_.uniform(5.0, 8.0));
+    }
   }
 
   /// Fronts along both sides of a street, with gaps.
@@ -105,7 +108,8 @@ class Builder {
 };
 
 void build_arch(Builder& b) {
-  b.ground(b.size(55.0), b.size(45.0));
+  const double length = b.size(55.0), width = b.size(45.0);
+  b.ground(length, width);
   const double pier = b.size(3.5), opening = b.size(5.0), height = b.size(9.0);
   for (const double side : {-1.0, 1.0}) {
     b.box({0.0, side * 0.5 * (opening + pier), 0.0}, pier, pier, height, SurfaceKind::wall, 0.0);
@@ -150,7 +154,8 @@ void build_office(Builder& b) {
 }
 
 void build_trees(Builder& b) {
-  b.ground(b.size(50.0), b.size(50.0));
+  const double length = b.size(50.0), width = b.size(50.0);
+  b.ground(length, width);
   b.trees(28, 1.5, 22.0);
   b.wall({-20.0, 23.0, 0.0}, {12.0, 23.0, 0.0}, b.size(4.0), 0.0, 0.0);
 }
@@ -158,7 +163,8 @@ void build_trees(Builder& b) {
 void build_highway(Builder& b) {
   b.ground(110.0, b.size(22.0));
   for (const double y : {-9.5, 0.8, 9.5}) b.wall({-55.0, y, 0.0}, {55.0, y, 0.0}, 0.8, 4.0, 0.0, SurfaceKind::rail);
-  b.wall({-55.0, b.size(14.0), 0.0}, {55.0, b.size(14.0), 0.0}, 3.0, 4.0, 0.0);
+  const double from = b.size(14.0), to = b.size(14.0);
+  b.wall({-55.0, from, 0.0}, {55.0, to, 0.0}, 3.0, 4.0, 0.0);
   b.poles(5, 10.0);
   b.cars(4, 4.0);
   b.trees(8, 15.0, 25.0);
