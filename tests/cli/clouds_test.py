@@ -166,7 +166,7 @@ class Clouds(CommandTest):
         self.assert_error("register", source, target, "--keypoints", "some", says="--keypoints: expected all, random:COUNT, iss or iss:COUNT, got 'some'")
         self.assert_error("match", source, target, "--matches", "mutual:9", says="--matches: expected mutual:K")
         self.assert_error("register", source, target, "--estimate-scale", says="--estimate-scale")
-        self.assert_error("register", "pose.txt", "--no-verification", says="--no-verification are of two clouds")
+        self.assert_error("register", "pose.txt", "--no-verification", says="--no-verification, --refine and --save-aligned are of two clouds")
         self.assert_error("register", "pose.txt", "--voxel", 1, says="are of two clouds")
         self.assert_error("register", "-", "-", says="the standard input holds one cloud")
         self.assert_error("register", source, says="source.ply: not a file of correspondences; a cloud needs the TARGET")

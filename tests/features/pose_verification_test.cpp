@@ -180,14 +180,14 @@ Correspondences rows_of(const Points& source, const RigidTransform& pose) {
 
 class CloudVerdict : public testing::Test {
  protected:
-  const Street scene = street(6);
-  const Points points = scan_of(scene, 4.0, 0.0, 1);
-  const Seen source{points};
-  const Seen target{scan_of(scene, 0.0, 0.0, 2)};
-  const PoseVerifier verifier{{source.scan, source.surfaces}, {target.scan, target.surfaces}, kVoxel};
-  const RigidTransform right = between_scans(4.0, 0.0, 0.0, 0.0);
-  const RigidTransform wrong = between_scans(-9.0, 0.2, 0.0, 0.0);
-  const Correspondences correspondences = rows_of(points, right);
+  const Street scene_ = street(6);
+  const Points points_ = scan_of(scene_, 4.0, 0.0, 1);
+  const Seen source_{points_};
+  const Seen target_{scan_of(scene_, 0.0, 0.0, 2)};
+  const PoseVerifier verifier_{{source_.scan, source_.surfaces}, {target_.scan, target_.surfaces}, kVoxel};
+  const RigidTransform right_ = between_scans(4.0, 0.0, 0.0, 0.0);
+  const RigidTransform wrong_ = between_scans(-9.0, 0.2, 0.0, 0.0);
+  const Correspondences correspondences_ = rows_of(points_, right_);
 
   Registration with(Status status, const RigidTransform& pose, double log10_false_poses = -6.0) const {
     Registration result;
@@ -202,7 +202,7 @@ class CloudVerdict : public testing::Test {
 
   void expect_the_right_pose(const Registration& result) const {
     EXPECT_EQ(result.status, Status::success);
-    EXPECT_LT((result.T_target_source.matrix() - right.matrix()).norm(), 0.1);
+    EXPECT_LT((result.T_target_source.matrix() - right_.matrix()).norm(), 0.1);
     EXPECT_TRUE(std::ranges::is_sorted(result.inliers));
     EXPECT_FALSE(result.refused);
     EXPECT_FALSE(result.runner_up);
@@ -210,10 +210,10 @@ class CloudVerdict : public testing::Test {
 };
 
 TEST_F(CloudVerdict, ARightPoseStaysAsItIs) {
-  Registration result = with(Status::success, right);
-  const features::CloudVerdict verdict = features::decide(verifier, correspondences, result);
+  Registration result = with(Status::success, right_);
+  const features::CloudVerdict verdict = features::decide(verifier_, correspondences_, result);
   EXPECT_EQ(verdict.of_correspondences, Status::success);
-  EXPECT_EQ(result.T_target_source.matrix(), right.matrix());
+  EXPECT_EQ(result.T_target_source.matrix(), right_.matrix());
   EXPECT_EQ(result.inliers.size(), 4u);
   ASSERT_EQ(result.stages.size(), 1u);
   EXPECT_EQ(result.stages[0].name, "verification");
@@ -223,26 +223,26 @@ TEST_F(CloudVerdict, ARightPoseStaysAsItIs) {
 
 TEST_F(CloudVerdict, AWrongPoseIsRefused) {
   for (const Status status : {Status::success, Status::ambiguous, Status::budget_exhausted}) {
-    Registration result = with(status, wrong, -30.0);
+    Registration result = with(status, wrong_, -30.0);
     if (status == Status::ambiguous) result.runner_up = RunnerUp{between_scans(-20.0, 1.0, 0.0, 0.0), 4, -5.0};
-    features::decide(verifier, correspondences, result);
+    features::decide(verifier_, correspondences_, result);
     EXPECT_EQ(result.status, Status::no_consensus);
     EXPECT_TRUE(result.inliers.empty());
     EXPECT_EQ(result.T_target_source.matrix(), RigidTransform::Identity().matrix());
     EXPECT_TRUE(result.covariance.isZero(0.0));
     ASSERT_TRUE(result.refused);
-    EXPECT_EQ(result.refused->T_target_source.matrix(), wrong.matrix());
+    EXPECT_EQ(result.refused->T_target_source.matrix(), wrong_.matrix());
     EXPECT_FALSE(result.runner_up);
   }
 }
 
 TEST_F(CloudVerdict, DecidesBetweenAPoseAndItsRival) {
   for (const bool first : {true, false}) {
-    Registration result = with(Status::ambiguous, first ? right : wrong);
-    result.runner_up = RunnerUp{first ? wrong : right, 4, -6.0};
-    features::decide(verifier, correspondences, result);
+    Registration result = with(Status::ambiguous, first ? right_ : wrong_);
+    result.runner_up = RunnerUp{first ? wrong_ : right_, 4, -6.0};
+    features::decide(verifier_, correspondences_, result);
     expect_the_right_pose(result);
-    EXPECT_GE(result.inliers.size(), first ? 4u : correspondences.size() / 2);
+    EXPECT_GE(result.inliers.size(), first ? 4u : correspondences_.size() / 2);
   }
 }
 
@@ -250,15 +250,15 @@ TEST_F(CloudVerdict, TakesARightPoseThatHadTooFewCorrespondences) {
   {
     Registration result;
     result.noise_bound = 0.2;
-    result.refused = RunnerUp{right, 4, -2.5};
-    features::decide(verifier, correspondences, result);
+    result.refused = RunnerUp{right_, 4, -2.5};
+    features::decide(verifier_, correspondences_, result);
     expect_the_right_pose(result);
-    EXPECT_GT(result.inliers.size(), correspondences.size() / 2);
+    EXPECT_GT(result.inliers.size(), correspondences_.size() / 2);
     EXPECT_FALSE(result.covariance.isZero(0.0));
   }
   Registration result;
-  result.refused = RunnerUp{wrong, 4, -2.0};
-  features::decide(verifier, correspondences, result);
+  result.refused = RunnerUp{wrong_, 4, -2.0};
+  features::decide(verifier_, correspondences_, result);
   EXPECT_EQ(result.status, Status::no_consensus);
   EXPECT_TRUE(result.refused);
 }

@@ -33,7 +33,7 @@ class Menu(unittest.TestCase):
     def test_an_unknown_package_group_is_an_error_that_lists_them(self):
         run = dev("deps", "figurs")
         self.assertEqual(run.returncode, 1)
-        self.assertIn("unknown package group 'figurs'; known: build docs figures fuzz lint neon python", run.stderr)
+        self.assertIn("unknown package group 'figurs'; known: browser build docs figures fuzz lint neon python", run.stderr)
 
 
 if __name__ == "__main__":

@@ -50,7 +50,7 @@ CloudVerdict verify_registration(const Cloud& source, const Cloud& target, const
 }
 
 Refinement refine_registration(const CloudMatches& matches, RefinementMethod method, Registration& registration) {
-  const Refinement refined =
+  Refinement refined =
       refine(matches.source_voxels->cloud(), matches.target_voxels->cloud(), registration.T_target_source,
              {.method = method, .max_distance = registration.noise_bound});
   if (refined.has_pose()) {

@@ -12,6 +12,7 @@
 #include <Eigen/Geometry>
 
 #include <consimd/features/cell_grid.hpp>
+#include <consimd/kernels/elementary_functions.hpp>
 
 #include "grid/box.hpp"
 #include "refinement/closest_pairs.hpp"
@@ -88,8 +89,12 @@ Step step_of(const NormalEquations& sums) {
 /// The motion by a step about `centre`, caller's frame of the target.
 RigidTransform motion_of(const Step& step, const Eigen::Vector3d& centre, double scale) {
   const double angle = step.turn.norm();
-  const Eigen::Matrix3d rotation = angle > 0.0 ? Eigen::AngleAxisd(angle, step.turn / angle).toRotationMatrix()
-                                               : Eigen::Matrix3d(Eigen::Matrix3d::Identity());
+  Eigen::Matrix3d rotation = Eigen::Matrix3d::Identity();
+  if (angle > 0.0) {
+    const auto [sine, cosine] = elementary::sine_cosine(0.5 * angle);
+    const Eigen::Vector3d axis = (sine / angle) * step.turn;
+    rotation = Eigen::Quaterniond(cosine, axis.x(), axis.y(), axis.z()).toRotationMatrix();
+  }
   RigidTransform motion = RigidTransform::Identity();
   motion.linear() = rotation;
   motion.translation() = centre + step.shift / scale - rotation * centre;

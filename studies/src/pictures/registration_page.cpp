@@ -4,13 +4,14 @@
 #include <cmath>
 #include <filesystem>
 #include <iterator>
-#include <numbers>
 #include <span>
 #include <string_view>
 #include <utility>
 #include <vector>
 
 #include <fmt/format.h>
+
+#include <consimd/synth/metrics.hpp>
 
 #include "pictures/page_sources.hpp"
 #include "pictures/page_text.hpp"
@@ -74,7 +75,7 @@ std::string facts(const RegistrationPicture& picture) {
                                100.0 * static_cast<double>(run.inliers.size()) / static_cast<double>(rows)));
     row("by chance", fmt::format("10<sup>{:.1f}</sup> such poses", run.log10_false_poses));
     if (run.runner_up) row("runner-up", fmt::format("{} inliers", grouped(run.runner_up->support)));
-    const double angle = Eigen::AngleAxisd(run.T_target_source.rotation()).angle() * 180.0 / std::numbers::pi;
+    const double angle = synth::rotation_error_deg(run.T_target_source, RigidTransform::Identity());
     row("rotation", fmt::format("{:.4g}&deg;", angle));
     row("translation", fmt::format("{:.6g}", run.T_target_source.translation().norm()));
     if (run.scale != 1.0) row("scale", fmt::format("{:.8g}", run.scale));

@@ -49,6 +49,8 @@ class PoseVerifier {
   /// voxel: side of the voxels of both clouds' surfaces, caller's unit, > 0. Both clouds are read during construction
   /// only. Throws std::invalid_argument on a bad voxel, or a viewpoint that is not finite.
   PoseVerifier(const VerifiedCloud& source, const VerifiedCloud& target, double voxel, std::uint64_t seed = 1);
+  PoseVerifier(const PoseVerifier&) = delete;
+  PoseVerifier& operator=(const PoseVerifier&) = delete;
   ~PoseVerifier();
   PoseVerifier(PoseVerifier&&) noexcept;
   PoseVerifier& operator=(PoseVerifier&&) noexcept;
