@@ -39,7 +39,8 @@ CellWalk::CellWalk(const CellGrid& grid)
     : grid_(grid), cell_per_length_(grid.cells_along(0, 1.0f) - grid.cells_along(0, 0.0f)) {
   // The first layer of empty cells behind the cloud's; along the last axis keys beyond it meet no cell.
   const auto& strides = grid.strides();
-  furthest_ = {static_cast<double>(strides[1]) - 2.0, static_cast<double>(strides[2] / strides[1]) - 2.0, 0x1p20};
+  const std::uint64_t rows = strides[2] / strides[1];
+  furthest_ = {static_cast<double>(strides[1]) - 2.0, static_cast<double>(rows) - 2.0, 0x1p20};
 }
 
 std::span<const PointRun> CellWalk::runs_around(std::size_t cell) {

@@ -44,11 +44,12 @@ void check(const Cloud& source, const Cloud& target, const RigidTransform& start
   }
   if (options.max_iterations < 1) throw std::invalid_argument("max_iterations is 0, expected 1 or more");
   if (!start.matrix().allFinite()) throw std::invalid_argument("the start of a refinement is not finite");
-  const bool of_target = options.method != RefinementMethod::point;
-  const bool of_source = options.method == RefinementMethod::gicp;
+  const bool any = !source.empty() && !target.empty();
+  const bool of_target = any && options.method != RefinementMethod::point;
+  const bool of_source = any && options.method == RefinementMethod::gicp;
   for (const auto& [name, cloud, needed] :
        {std::tuple("target", &target, of_target), std::tuple("source", &source, of_source)}) {
-    if (needed && !cloud->empty() && !cloud->view().has_normals()) {
+    if (needed && !cloud->view().has_normals()) {
       throw std::invalid_argument(std::string("the ") + name + " cloud has no normals, which refinement by " +
                                   std::string(to_string(options.method)) + " needs: estimate them first");
     }
