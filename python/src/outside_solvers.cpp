@@ -6,6 +6,7 @@
 #include <stdexcept>
 #include <utility>
 
+#include <fmt/format.h>
 #include <nanobind/ndarray.h>
 #include <nanobind/stl/optional.h>
 #include <nanobind/stl/string.h>
@@ -74,10 +75,11 @@ studies::OutsideSolvers outside_solvers(const std::vector<OutsideEntry>& entries
            .solve = [function](const studies::OutsideProblem& problem) { return call(function, problem); }});
       continue;
     }
-    std::optional<studies::OutsideProgram> program = studies::parse_outside_program(name + "=" + command);
+    std::optional<studies::OutsideProgram> program =
+        studies::parse_outside_program(fmt::format("{}={}", name, command));
     if (!program) {
-      throw std::invalid_argument("solver " + name + ": expected exec:COMMAND or exec-binary:COMMAND, got '" + command +
-                                  "'");
+      throw std::invalid_argument(
+          fmt::format("solver {}: expected exec:COMMAND or exec-binary:COMMAND, got '{}'", name, command));
     }
     program->version = version;
     program->time_limit = time_limit;
