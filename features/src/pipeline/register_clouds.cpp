@@ -1,6 +1,7 @@
 #include <consimd/features/register_clouds.hpp>
 
 #include <algorithm>
+#include <chrono>
 #include <utility>
 
 namespace consimd::features {
@@ -44,9 +45,14 @@ CloudRegistration verified(const Cloud& source, const Cloud& target, const Cloud
 CloudVerdict verify_registration(const Cloud& source, const Cloud& target, const CloudMatches& matches,
                                  const CloudMatchingOptions& options, Registration& registration) {
   if (!registration.has_pose() && !registration.refused) return {.of_correspondences = registration.status};
+  const auto start = std::chrono::steady_clock::now();
   const PoseVerifier verifier({source, *matches.source_voxels, options.source_viewpoint},
                               {target, *matches.target_voxels, options.target_viewpoint}, matches.voxel, options.seed);
-  return decide(verifier, matches.correspondences, registration);
+  const std::chrono::duration<double> prepared = std::chrono::steady_clock::now() - start;
+  const CloudVerdict verdict = decide(verifier, matches.correspondences, registration);
+  registration.stages.back().seconds += prepared.count();
+  registration.seconds += prepared.count();
+  return verdict;
 }
 
 Refinement refine_registration(const CloudMatches& matches, RefinementMethod method, Registration& registration) {
