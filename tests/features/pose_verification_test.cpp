@@ -154,7 +154,7 @@ TEST(PoseVerification, CloudsWithoutSurfacesDecideNothing) {
 TEST(PoseVerification, RefusesBadInput) {
   const Seen seen(scan_of(street(1), 0.0, 0.0, 1));
   const double nan = std::numeric_limits<double>::quiet_NaN();
-  for (const double voxel : {0.0, -1.0, nan, std::numeric_limits<double>::infinity()}) {
+  for (const double voxel : {0.0, -1.0, 1e-300, 1e-5, nan, std::numeric_limits<double>::infinity()}) {
     EXPECT_THROW(PoseVerifier({seen.scan, seen.surfaces}, {seen.scan, seen.surfaces}, voxel), std::invalid_argument);
   }
   EXPECT_THROW(PoseVerifier({seen.scan, seen.surfaces, {{nan, 0.0, 0.0}}}, {seen.scan, seen.surfaces}, kVoxel),

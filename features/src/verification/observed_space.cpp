@@ -4,6 +4,8 @@
 #include <bit>
 #include <cmath>
 #include <limits>
+#include <stdexcept>
+#include <string>
 
 namespace consimd::features::detail {
 namespace {
@@ -12,6 +14,8 @@ namespace {
 // points that are thinned out to one a voxel lie up to 0.87 voxels from where theirs was.
 constexpr double kAlong = 1.5;
 constexpr double kAcross = 1.0;
+// Along an axis, so that the product of three still numbers the cubes; voxel_grid has the same limit.
+constexpr double kMostCubes = 0x1p20 + 8.0;
 // Cosine of 45 degrees: normals of thinned out clouds are some 10 to 20 degrees off at edges.
 constexpr double kSteepness = 0.7071067811865476;
 
@@ -45,7 +49,11 @@ SurfaceMap::SurfaceMap(const CellGrid& surfaces, double side) : per_side_(1.0 / 
   if (points_.empty()) return;
   for (std::size_t c = 0; c < 3; ++c) {
     low_[c] -= 2.0 * side;
-    cubes_[c] = static_cast<std::int64_t>((high[c] - low_[c]) * per_side_) + 3;
+    const double cubes = (high[c] - low_[c]) * per_side_;
+    if (!(cubes < kMostCubes)) {
+      throw std::invalid_argument("voxel is " + std::to_string(side) + ": the cloud is more than 2^20 of them long");
+    }
+    cubes_[c] = static_cast<std::int64_t>(cubes) + 3;
   }
   // A point reaches 19 cubes at most, on a surface nine of them new.
   table_.resize(std::bit_ceil(8 * points_.size()));
@@ -53,8 +61,8 @@ SurfaceMap::SurfaceMap(const CellGrid& surfaces, double side) : per_side_(1.0 / 
   std::size_t used = 0;
   for (std::size_t i = 0; i < points_.size(); ++i) {
     std::array<std::int64_t, 3> cube;
-    std::array<std::array<double, 5>, 3>
-        squares;  // of the distances from the point to the five cubes' centres, in sides
+    // Squares of the distances, in sides, from the point to the centres of the five cubes along each axis.
+    std::array<std::array<double, 5>, 3> squares;
     for (std::size_t c = 0; c < 3; ++c) {
       const double place = (points_[i].point[c] - low_[c]) * per_side_;
       cube[c] = static_cast<std::int64_t>(place);
@@ -157,8 +165,8 @@ FreeSpace::FreeSpace(const Cloud& scan, const Vector3& viewpoint, double margin)
 }
 
 bool FreeSpace::hides_much(const Cloud& scan) const {
-  // Of scans from their viewpoint 2 to 21 % of the points lie behind others in the same cell, of the same scans from 3
-  // times their spread beside it 35 to 94 %.
+  // Where a scan is taken as seen from its viewpoint, 2 to 21 % of its points lie behind others in the same cell; where
+  // it is taken as seen from 3 times its spread beside that, 35 to 94 % do.
   constexpr double kMostHidden = 1.0 / 3.0;
   std::size_t hidden = 0;
   for (std::size_t i = 0; i < scan.size(); ++i) {
@@ -187,17 +195,34 @@ void FreeSpace::reach_to_the_nearest_beside() {
 }
 
 FreeSpace::Direction FreeSpace::direction(const Vector3& place) const noexcept {
-  const Vector3 d{place[0] - viewpoint_[0], place[1] - viewpoint_[1], place[2] - viewpoint_[2]};
-  const Vector3 size{std::abs(d[0]), std::abs(d[1]), std::abs(d[2])};
-  const std::size_t axis = size[0] >= size[1] ? (size[0] >= size[2] ? 0 : 2) : (size[1] >= size[2] ? 1 : 2);
-  if (!(size[axis] > 0.0)) return {};
+  const double x = place[0] - viewpoint_[0];
+  const double y = place[1] - viewpoint_[1];
+  const double z = place[2] - viewpoint_[2];
+  // The face that the ray leaves the cube by, and the ray's components along and across it.
+  std::size_t face = 0;
+  double out = x;
+  double across = y;
+  double down = z;
+  if (std::abs(y) > std::abs(out)) {
+    face = 2;
+    out = y;
+    across = z;
+    down = x;
+  }
+  if (std::abs(z) > std::abs(out)) {
+    face = 4;
+    out = z;
+    across = x;
+    down = y;
+  }
+  if (!(std::abs(out) > 0.0)) return {};
+  face += out < 0.0 ? std::size_t{1} : std::size_t{0};
   const double half = 0.5 * static_cast<double>(edge_);
-  const double per_size = half / size[axis];
-  const auto along = [&](std::size_t c) {
-    return std::min(static_cast<std::size_t>(d[c] * per_size + half), edge_ - 1);
+  const double per_length = half / std::abs(out);
+  const auto cell = [&](double component) {
+    return std::min(static_cast<std::size_t>(static_cast<std::int64_t>(component * per_length + half)), edge_ - 1);
   };
-  const std::size_t face = 2 * axis + (d[axis] < 0.0 ? std::size_t{1} : std::size_t{0});
-  return {(face * edge_ + along((axis + 1) % 3)) * edge_ + along((axis + 2) % 3), dot(d, d)};
+  return {(face * edge_ + cell(across)) * edge_ + cell(down), x * x + y * y + z * z};
 }
 
 void FreeSpace::look(const Cloud& scan) {

@@ -34,7 +34,8 @@ enum class Agreement : std::uint8_t {
 /// The surfaces of a cloud in a hash table of cubes: each cube knows the surface point nearest to its centre.
 class SurfaceMap {
  public:
-  /// Of points with a normal. side: of a cube, caller's unit.
+  /// Takes the points with a normal. side: of a cube, caller's unit. Throws std::invalid_argument where they are more
+  /// than 2^20 sides apart.
   SurfaceMap(const CellGrid& surfaces, double side);
 
   [[nodiscard]] Agreement agreement(const SurfacePoint& place) const noexcept;

@@ -25,15 +25,15 @@ namespace {
 
 using detail::SurfacePoint;
 
-// Samples of each cloud, and displaced poses: twice as many of both change log10 of the chance by less than 1, and take
-// four times the 2.5 ms.
+// Samples of each cloud, and displaced poses: a pose takes 7 ms of a core with these (docs/performance.md).
 constexpr std::size_t kSamples = 320;
 constexpr std::size_t kDisplacements = 256;
 // The share of the displaced poses whose agreement gives the tail.
 constexpr double kTail = 0.05;
-// Where displaced poses agree they do so in few pieces of surface, whose sum varies by a quarter of itself at least;
-// and by a sample that never agrees otherwise.
+// Where displaced poses agree they do so in few pieces of surface: their scores vary by a quarter of themselves at
+// least, as sums of sixteen pieces do.
 constexpr double kPieces = 16.0;
+// Scores vary by about one sample at least: one that agrees at no displaced pose counts ln 258 = 5.6.
 constexpr double kLeastExcess = 5.0;
 // Surfaces agree within three voxels or so, so that displacements of twice that are other poses.
 constexpr double kLeastDisplacement = 6.0;

@@ -21,7 +21,7 @@ namespace CONSIMD_EXPORT features {
 struct VerifiedCloud {
   /// All points that the scanner measured: what they were seen through is free space.
   const Cloud& scan;
-  /// The same thinned out to about one point a voxel, with normals (see normals.hpp): the surfaces.
+  /// What its surfaces are made of: the same points thinned out to about one a voxel, with normals (see normals.hpp).
   const CellGrid& surfaces;
   /// Where the scan was taken from, caller's frame; without one nothing is known of free space.
   std::optional<std::array<double, 3>> viewpoint = std::array<double, 3>{0.0, 0.0, 0.0};
@@ -47,7 +47,8 @@ struct PoseEvidence {
 class PoseVerifier {
  public:
   /// voxel: side of the voxels of both clouds' surfaces, caller's unit, > 0. Both clouds are read during construction
-  /// only. Throws std::invalid_argument on a bad voxel, or a viewpoint that is not finite.
+  /// only. Throws std::invalid_argument on a bad voxel, on one that a cloud is more than 2^20 times as long as, or on a
+  /// viewpoint that is not finite.
   PoseVerifier(const VerifiedCloud& source, const VerifiedCloud& target, double voxel, std::uint64_t seed = 1);
   PoseVerifier(const PoseVerifier&) = delete;
   PoseVerifier& operator=(const PoseVerifier&) = delete;
