@@ -69,10 +69,11 @@ void add_cloud_options(CLI::App& command, CloudArguments& arguments) {
 }
 
 void add_refinement_options(CLI::App& command, CloudArguments& arguments) {
-  command.add_option("--refine", arguments.refine,
-                     "Of clouds: refine the pose on their voxels by iterative closest points: distances to points "
-                     "(point), to the target's planes (plane), or between planes (gicp). The inliers and the verdict "
-                     "stay those of the correspondences");
+  command.add_option(
+      "--refine", arguments.refine,
+      "Of clouds: refine the pose on their voxels by iterative closest points: distances to points "
+      "(point), to the target's planes (plane), or between planes (gicp). The status and the inliers stay "
+      "as they were");
   command.add_option("--save-aligned", arguments.save_aligned,
                      "Of clouds: write all points of SOURCE, moved by the pose if there is one, to this PLY file");
 }

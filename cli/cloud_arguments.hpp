@@ -17,7 +17,7 @@ struct CloudArguments {
   std::string matches = "mutual:3";
   std::optional<double> missing;
   std::string save_correspondences;
-  // Of `register` alone.
+  // What only `register` takes.
   bool no_verification = false;
   std::optional<std::string> refine;
   std::string save_aligned;

@@ -12,8 +12,8 @@ namespace consimd {
 namespace CONSIMD_EXPORT features {
 
 struct CloudVerdict {
-  /// Of the correspondences' pose, or of the one that they were too few for (Registration::refused); none where there
-  /// is neither.
+  /// How the clouds agree at the correspondences' pose, or at the one that they were too few for
+  /// (Registration::refused); none where there is neither.
   std::optional<PoseEvidence> pose = std::nullopt;
   std::optional<PoseEvidence> runner_up = std::nullopt;
   /// log10 of the chance of the pose that stands: that of the clouds' agreement times the number of such poses that the

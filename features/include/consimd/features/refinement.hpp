@@ -51,7 +51,8 @@ struct Refinement {
   RefinementStatus status = RefinementStatus::too_few_pairs;
   /// Refined; along the directions that degenerate pairs leave free as it was at the start.
   RigidTransform T_target_source = RigidTransform::Identity();
-  /// Of the pose's error, as that of a Registration (see pose_covariance.hpp). Zero unless converged.
+  /// What the pose's error has, in the conventions of a Registration's (see pose_covariance.hpp). Zero unless
+  /// converged.
   PoseCovariance covariance = PoseCovariance::Zero();
   std::uint32_t iterations = 0;
   std::size_t pairs = 0;        ///< source points with a target point within max_distance, at the end
