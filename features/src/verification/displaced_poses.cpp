@@ -34,7 +34,7 @@ class Draws {
     for (;;) {
       const std::array<double, 4> u = next();
       for (std::size_t k = 0; k < 4; k += 2) {
-        const Eigen::Vector2d p(2.0 * u[k] - 1.0, 2.0 * u[k + 1] - 1.0);
+        Eigen::Vector2d p(2.0 * u[k] - 1.0, 2.0 * u[k + 1] - 1.0);
         if (p.squaredNorm() < 1.0 && p.squaredNorm() > 0x1p-40) return p;
       }
     }
