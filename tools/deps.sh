@@ -11,14 +11,16 @@ is_less() { [[ $1 != "$2" && $(printf '%s\n' "$1" "$2" | sort --version-sort | h
 
 # installed_version NAME PACKAGE: without Debian's epoch and revision; nothing where it is not installed.
 installed_version() {
-  local name=$1 package=$2 version=""
+  local name=$1 package=$2 version="" venv
   if [[ $package != pip ]]; then
     version=$(dpkg-query --show --showformat='${Version}\n' "$package" 2>/dev/null | head -n 1) || true
     version=${version#*:}
     version=${version%%[-+~]*}
-  elif [[ -x $root/build/python-venv/bin/python ]]; then
-    version=$("$root/build/python-venv/bin/python" -I -c \
-      'import importlib.metadata, sys; print(importlib.metadata.version(sys.argv[1]))' "$name" 2>/dev/null) || true
+  else
+    for venv in "$root"/build/{python,lint}-venv; do
+      [[ -n $version ]] || version=$("$venv/bin/python" -I -c \
+        'import importlib.metadata, sys; print(importlib.metadata.version(sys.argv[1]))' "$name" 2>/dev/null) || true
+    done
   fi
   printf '%s' "$version"
 }

@@ -35,6 +35,14 @@ check_prose() {
   find "$root" \( -path "$root/build" -o -name '.*' \) -prune -o -name '*.md' -print0 | xargs -0 python3 "$root/tools/check_prose.py"
 }
 
+# clang-tidy of PyPI, in build/lint-venv: it leaves the headers of the system alone, which makes it four times as fast as
+# that of Debian 12.
+tidy_program() {
+  local venv=$root/build/lint-venv
+  [[ -x $venv/bin/python ]] || python3 -m venv --clear "$venv" || fail "cannot make $venv"
+  "$venv/bin/pip" install --quiet --disable-pip-version-check 'clang-tidy>=23.1,<23.2' || fail "cannot install clang-tidy"
+}
+
 # What clang-tidy reads: the release build as it is configured, with the Python module where ./dev python has left nanobind.
 tidy_database() {
   local python=$root/build/python-venv/bin/python module=()
@@ -55,7 +63,7 @@ clang_tidy() {
   # Clean files print nothing: clang-tidy reports the number of suppressed warnings even when told to be quiet.
   # shellcheck disable=SC2016  # expanded by the inner shell
   printf '%s\0' "${files[@]}" | xargs -0 -n 1 -P "$(nproc)" bash -c \
-    'report=$(clang-tidy --quiet -p "$0" "$1" 2>&1) || { printf "%s\n" "$report"; exit 1; }' "$root/build/tidy"
+    'report=$("$0/lint-venv/bin/clang-tidy" --quiet -p "$0/tidy" "$1" 2>&1) || { printf "%s\n" "$report"; exit 1; }' "$root/build"
 }
 
 need build lint
@@ -66,6 +74,7 @@ check_rules
 check_scripts
 check_prose || fail "the pages have faults"
 say "running clang-tidy"
+tidy_program
 tidy_database
 clang_tidy "$@" || fail "clang-tidy has findings"
 say "lint: nothing found"

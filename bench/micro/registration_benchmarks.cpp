@@ -96,7 +96,7 @@ void measure_eigen(benchmark::State& state, const TaskOf& task_of, bool prune) {
 }
 
 template <typename Benchmark>
-benchmark::internal::Benchmark* add(const std::string& name, int iterations, Benchmark run_benchmark) {
+benchmark::internal::Benchmark* add(const std::string& name, int iterations, const Benchmark& run_benchmark) {
   return benchmark::RegisterBenchmark(name.c_str(), run_benchmark)
       ->Iterations(iterations)
       ->UseManualTime()

@@ -102,6 +102,7 @@ void write_consistency(const Correspondences& c, const ResultFolder& out) {
 void write_poses(const Correspondences& c, const synth::Problem& problem, const ResultFolder& out) {
   const CorrespondenceView view = c;
   std::vector<IndexTriple> triples;
+  triples.reserve(50);
   for (std::uint32_t k = 0; k < 50; ++k) triples.push_back({k, 100 + 3 * k, 350 - 2 * k});
   std::vector<WorkingPose> poses(triples.size());
   three_point_fits(view, triples, poses);

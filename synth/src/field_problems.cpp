@@ -197,6 +197,7 @@ Problem symmetric_part(const SymmetricPartOptions& o) {
   for (std::size_t k = 0; k < o.points_per_sector; ++k) {
     const Eigen::Vector3d first = streams.points.in_box(Eigen::Vector3d::Constant(o.half_extent));
     std::vector<Eigen::Vector3d> targets;
+    targets.reserve(o.folds);
     for (std::size_t fold = 0; fold < o.folds; ++fold) {
       targets.emplace_back(motion * (turn(fold) * first) + o.sigma * streams.noise.gaussian_vector());
     }

@@ -10,7 +10,7 @@ declare -A packages_of=(
   [docs]="doxygen"
   [figures]="python3-matplotlib"
   [fuzz]="clang"
-  [lint]="clang-format clang-tidy python3 shellcheck"
+  [lint]="clang-format python3 python3-venv shellcheck"
   [neon]="g++-aarch64-linux-gnu qemu-user googletest"
   [python]="python3-dev python3-venv"
 )

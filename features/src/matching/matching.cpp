@@ -59,6 +59,7 @@ void search(const FixedPointDescriptors& source, const FixedPointDescriptors& ta
   const std::size_t blocks = std::clamp<std::size_t>(source.size() / kSmallestBlock, 1, threads == 1 ? 1 : 2 * threads);
   if (blocks == 1) return best_matches(source, 0, source.size(), target, of_source, of_target);
   std::vector<BestMatches> parts;
+  parts.reserve(blocks);
   for (std::size_t b = 0; b < blocks; ++b) parts.emplace_back(target.size(), of_target.k());
   tbb::parallel_for(std::size_t{0}, blocks, [&](std::size_t b) {
     best_matches(source, source.size() * b / blocks, source.size() * (b + 1) / blocks, target, of_source, parts[b]);

@@ -25,7 +25,7 @@ PoseCandidate refitted_within(const Correspondences& correspondences, const Pose
   if (start.support.count < kSmallPart * static_cast<double>(view.size())) {
     near = correspondences.subset(pose_inliers(view, start.pose, 2.0 * bounds.front() * noise_bound));
   }
-  const CorrespondenceView refitted = near.size() == 0 ? view : near.view();
+  const CorrespondenceView refitted = near.empty() ? view : near.view();
   PoseCandidate best = start;
   PoseCandidate current = start;
   for (const double bound : bounds) {

@@ -32,8 +32,8 @@ std::string to_markdown(const TextTable& table) {
     }
   }
   std::string text = fmt::format("### {}\n\n", table.title);
-  for (const std::string& paragraph : table.caption) text += paragraph + "\n";
-  text += "\n";
+  for (const std::string& paragraph : table.caption) text += paragraph + '\n';
+  text += '\n';
   const auto add_row = [&](const std::vector<std::string>& row) {
     for (std::size_t c = 0; c < columns; ++c) {
       const std::string blanks(widths[c] - width(row[c]), ' ');

@@ -67,6 +67,7 @@ void for_each_sorted(const fs::path& trials, const TrialTable& table, const Take
   const std::size_t count = std::min(wanted, kMostFiles);
   const std::size_t share = (table.slots() + count - 1) / count;  // slots of a file
   std::vector<std::unique_ptr<RowFile>> files;
+  files.reserve(count);
   for (std::size_t i = 0; i < count; ++i) files.push_back(std::make_unique<RowFile>(trials));
   for_each_whole_row(trials, csv_header(kTrialColumns),
                      [&](std::string_view line) { files[table.slot_of(parse_trial_row(line)) / share]->add(line); });

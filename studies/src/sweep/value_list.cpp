@@ -41,6 +41,7 @@ std::vector<double> evenly_spaced(std::string_view text, const std::vector<std::
   if (!(first < last)) throw std::invalid_argument(fmt::format("'{}': the start must be below the end", text));
 
   std::vector<double> values;
+  values.reserve(count);
   for (std::uint32_t i = 0; i < count; ++i) {
     values.push_back(parse_number(fmt::format("{:.12g}", first + (last - first) * i / (count - 1))));
   }
