@@ -22,15 +22,21 @@ need build fuzz
 build fuzz "${targets[@]/#/fuzz_}"
 # Memory that is asked for and not there is an error that the libraries pass on, no finding.
 export ASAN_OPTIONS=allocator_may_return_null=1
-for target in "${targets[@]}"; do
-  corpus=$root/build/fuzz/corpus/$target
-  findings=$root/build/fuzz/findings/$target
+# fuzz TARGET
+fuzz() {
+  local target=$1 corpus=$root/build/fuzz/corpus/$1 findings=$root/build/fuzz/findings/$1 log
   mkdir -p "$corpus" "$findings"
   log=$(mktemp)
-  say "fuzz: $target, $seconds s"
-  "$root/build/fuzz/fuzz/fuzz_$target" -max_total_time="$seconds" -timeout=10 -rss_limit_mb=3000 -print_final_stats=1 \
-    -artifact_prefix="$findings/" "$corpus" "$root/fuzz/seeds/$target" >"$log" 2>&1 ||
-    { tail -n 60 "$log" >&2 && rm -f "$log" && fail "fuzz: $target has a finding, kept in $findings"; }
-  say "fuzz: $target: $(sed -nE 's/^stat::number_of_executed_units: *//p' "$log") executions, nothing found"
-  rm -f "$log"
-done
+  if "$root/build/fuzz/fuzz/fuzz_$target" -max_total_time="$seconds" -timeout=60 -rss_limit_mb=3000 -print_final_stats=1 \
+    -artifact_prefix="$findings/" "$corpus" "$root/fuzz/seeds/$target" >"$log" 2>&1; then
+    say "fuzz: $target: $(sed -nE 's/^stat::number_of_executed_units: *//p' "$log") executions, nothing found"
+    rm -f "$log"
+  else
+    tail -n 60 "$log" >&2 && rm -f "$log" && fail "fuzz: $target has a finding, kept in $findings"
+  fi
+}
+
+say "fuzz: ${targets[*]}: $seconds s each, $(nproc) at a time"
+export root seconds
+export -f fuzz say fail
+printf '%s\n' "${targets[@]}" | xargs -P "$(nproc)" -I{} bash -c 'set -euo pipefail; fuzz {}' || fail "fuzz: something was found"
