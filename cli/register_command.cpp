@@ -45,6 +45,7 @@ struct Options {
   std::uint64_t seed = SolverOptions().seed;
   std::uint32_t repeat = 1;
   int threads = 1;
+  std::optional<double> time_limit;
   bool assume_inliers = false;
   std::string truth;
   std::string json;
@@ -58,6 +59,10 @@ void check(const Options& options) {
   if (options.noise_bound && !(std::isfinite(*options.noise_bound) && *options.noise_bound > 0.0)) {
     throw std::invalid_argument(
         fmt::format("--noise-bound: expected a finite length > 0, got {}", *options.noise_bound));
+  }
+  if (options.time_limit && !(*options.time_limit > 0.0)) {
+    throw std::invalid_argument(
+        fmt::format("--time-limit: expected a number of seconds > 0, got {}", *options.time_limit));
   }
   if (options.target.empty() && options.clouds.given()) {
     throw std::invalid_argument(
@@ -148,6 +153,10 @@ void draw(const Options& options, const RegisterReport& report, const Correspond
   if (!options.picture.empty()) studies::replace_file(options.picture, studies::registration_svg(picture));
 }
 
+StopCondition stop_of(const Options& options) {
+  return options.time_limit ? stop_after(*options.time_limit) : StopCondition{};
+}
+
 /// One registration of the clouds after another. Returns the first one's correspondences.
 Correspondences register_pairs(const Options& options, const SolverChoice& choice, CloudPair& clouds,
                                RegisterReport& report) {
@@ -165,6 +174,7 @@ Correspondences register_pairs(const Options& options, const SolverChoice& choic
                                         .solver = choice.label(),
                                         .filter = report.filter,
                                         .seed = seed,
+                                        .stop = stop_of(options),
                                         .verify = !options.clouds.no_verification,
                                         .refine = method});
     });
@@ -201,7 +211,8 @@ void register_rows(const Options& options, const SolverChoice& choice, const Cor
                                              {.noise_bound = report.noise_bound,
                                               .seed = options.seed + run,
                                               .filter = report.filter,
-                                              .estimate_scale = options.estimate_scale}));
+                                              .estimate_scale = options.estimate_scale,
+                                              .stop = stop_of(options)}));
     if (report.notes.empty()) report.notes = advice(correspondences, report.runs.back());
   }
 }
@@ -304,6 +315,9 @@ void add_register_command(CLI::App& app, Action& run) {
       ->check(whole_number(1, 1'000'000))
       ->capture_default_str();
   add_threads_option(*command, options->threads);
+  command->add_option("--time-limit", options->time_limit,
+                      "Seconds after which the search of a run ends: the best pose until then is judged and given, as "
+                      "budget_exhausted. Results then depend on the machine. By default no search is ended");
   command->add_option("--truth", options->truth,
                       "File with the true pose (4 x 4 or 3 x 4, source to target): reports errors against it. With "
                       "--estimate-scale its rotation may be multiplied by the scale");

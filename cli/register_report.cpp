@@ -95,6 +95,7 @@ Json run_json(const RegisterReport& report, std::size_t index) {
                {"inlier_count", run.inliers.size()},
                {"inliers", run.inliers},
                {"seconds", run.seconds},
+               {"stopped", run.stopped},
                {"stages", stages_json(run.stages)}};
   const auto of_pose = [&run](double value) { return run.has_pose() ? Json(value) : Json(nullptr); };
   if (report.estimate_scale) {
@@ -174,7 +175,8 @@ std::string run_text(const RegisterReport& report) {
                    100.0 * refinement.inlier_share, refinement.rmse,
                    refinement.has_pose() ? "" : "; the pose is that of the correspondences");
   }
-  fmt::format_to(out, "time          {:.3f} ms\n", 1e3 * run.seconds);
+  fmt::format_to(out, "time          {:.3f} ms{}\n", 1e3 * run.seconds,
+                 run.stopped ? ", the search was ended by the time limit" : "");
   for (const PoseErrors& error : report.errors) {
     if (!run.has_pose()) break;
     fmt::format_to(out, "errors        rotation {:.4g} deg, translation {:.4g}\n", error.rotation_deg,

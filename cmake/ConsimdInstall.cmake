@@ -34,6 +34,7 @@ endif()
 
 set(CONSIMD_COMPONENTS kernels)
 consimd_install(kernels "SIMD consensus kernels for 3D registration")
+install(FILES ${PROJECT_BINARY_DIR}/include/consimd/version.hpp DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/consimd)
 if(NOT CONSIMD_KERNELS_ONLY)
   list(APPEND CONSIMD_COMPONENTS poses solvers features synth)
   consimd_install(poses "Rigid fits and poses in Eigen's types for consimd" consimd-kernels eigen3)

@@ -1,4 +1,4 @@
-# Builds consimd::kernels (CONSIMD_KERNELS_ONLY), and consimd::synth for its tests, for 64-bit ARM with Debian's
+# Builds consimd::kernels (CONSIMD_KERNELS_ONLY) and consimd::synth for its tests, or all libraries, for 64-bit ARM with Debian's
 # g++-aarch64-linux-gnu; tests run under qemu-user.
 set(CMAKE_SYSTEM_NAME Linux)
 set(CMAKE_SYSTEM_PROCESSOR aarch64)

@@ -32,7 +32,7 @@ ROOMS = {
     "bits": "",
     "call": "",
     "sampling": "",
-    "cliques": "bits",
+    "cliques": "bits call",
     "support": "sampling call bits",
     "verdict": "support sampling call bits",
     "search": SHARED,

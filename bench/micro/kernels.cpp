@@ -95,7 +95,9 @@ Call pose_bits(const Workload& w) {
 }
 
 Call moments_weighted(const Workload& w) {
-  return [&w](Outcome& out) { out.moments = weighted_moments(w.correspondences, w.weights()); };
+  return [&w](Outcome& out) {
+    out.moments = weighted_moments(w.correspondences, {w.weights(), w.correspondences.view().padded_size()});
+  };
 }
 
 Call moments_subset(const Workload& w) {

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <stdexcept>
 #include <string>
 
@@ -36,6 +37,11 @@ void require_size(std::string_view name, std::size_t got, std::size_t expected) 
   if (got == expected) return;
   throw std::invalid_argument(std::string(name) + " has " + std::to_string(got) + " elements, expected " +
                               std::to_string(expected));
+}
+
+void require_aligned(std::string_view name, const float* values) {
+  if (reinterpret_cast<std::uintptr_t>(values) % 64 == 0) return;
+  throw std::invalid_argument(std::string(name) + " is not aligned to 64 bytes");
 }
 
 void require_index(std::uint32_t index, std::size_t size) {

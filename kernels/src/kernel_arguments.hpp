@@ -24,6 +24,9 @@ float ratio_bound(double ratio, std::string_view name);
 /// Throws std::invalid_argument unless got == expected.
 void require_size(std::string_view name, std::size_t got, std::size_t expected);
 
+/// Throws std::invalid_argument unless the values begin at a multiple of 64 bytes.
+void require_aligned(std::string_view name, const float* values);
+
 /// Throws std::out_of_range unless index < size.
 void require_index(std::uint32_t index, std::size_t size);
 

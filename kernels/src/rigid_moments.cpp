@@ -40,9 +40,11 @@ detail::RawWeight raw_weight(const CorrespondenceView& view, const RobustWeight&
 
 }  // namespace
 
-RigidMoments weighted_moments(const CorrespondenceView& view, const float* weights) {
+RigidMoments weighted_moments(const CorrespondenceView& view, std::span<const float> weights) {
+  detail::require_size("weights", weights.size(), view.padded_size());
+  detail::require_aligned("weights", weights.data());
   RigidMoments moments;
-  detail::active_table().weighted_moments(detail::raw_view(view), weights, &moments);
+  detail::active_table().weighted_moments(detail::raw_view(view), weights.data(), &moments);
   return moments;
 }
 

@@ -109,6 +109,8 @@ class Registration:
     """Bound on differences of lengths, twice the noise bound."""
     mirrored: bool
     """Whether, without a pose, the rows agree on a mirror image, which no motion brings into place."""
+    stopped: bool
+    """Whether the time limit ended the search: a pose is the best until then, and none may yet have been found."""
     residuals: NDArray[np.float64] | None = None
     """(N,), of each row under the pose. With `assume_inliers` only."""
     sigma: float | None = None
@@ -179,6 +181,7 @@ def register(
     *,
     filter: str = "none",
     threads: int | None = None,
+    time_limit: float | None = None,
     assume_inliers: bool = False,
     **options: Any,
 ) -> Registration: ...
@@ -192,6 +195,7 @@ def register(
     *,
     filter: str = "none",
     threads: int | None = None,
+    time_limit: float | None = None,
     assume_inliers: bool = False,
     **options: Any,
 ) -> Registration: ...
@@ -204,6 +208,7 @@ def register(
     *,
     filter: str = "none",
     threads: int | None = None,
+    time_limit: float | None = None,
     assume_inliers: bool = False,
     **options: Any,
 ) -> Registration:
@@ -219,6 +224,8 @@ def register(
     seed: of the random samples; the same seed gives the same bits, on any number of threads and any processor.
     filter: "tcf" gives the solver only what the two filters of TCF keep; "none" gives it all.
     threads: at most so many; None: all that the process may use.
+    time_limit: seconds after which the search ends; the best pose until then is judged and given, as budget_exhausted,
+        and `stopped` tells. Results then depend on the machine. None: no search is ended.
     assume_inliers: takes every row as right, three or more: the least-squares pose with the residual of each row, for
         targets that somebody has checked. Nothing is searched or tested: neither noise bound, solver, filter nor option
         is taken.
@@ -226,9 +233,9 @@ def register(
         and `teaser` finds the scale of the source as well; it needs a noise bound and no filter.
 
     Never raises for want of a pose: the status says so. ValueError on a bad shape or value, TypeError on an unknown
-    option. Other Python threads run meanwhile. Ctrl-C raises KeyboardInterrupt at once; the solver, which cannot be
-    stopped, then runs on unseen until its budget ends, and the interpreter waits for it before it exits. Only `tcf` with
-    a noise bound and up to 20 000 rows, a matter of milliseconds, is let finish first.
+    option. Other Python threads run meanwhile. Ctrl-C raises KeyboardInterrupt at once and ends the search; what is left
+    of the call runs on unseen for some milliseconds. Only `tcf` with a noise bound and up to 20 000 rows, a matter of
+    milliseconds itself, is let finish first.
     """
     if isinstance(source, Correspondences):
         if target is not None:
@@ -241,13 +248,13 @@ def register(
     import numpy as np
 
     if assume_inliers:
-        if noise_bound is not None or filter != "none" or solver != "tcf" or options:
-            raise TypeError("register(assume_inliers=True) takes no noise_bound, solver, filter or option")
+        if noise_bound is not None or time_limit is not None or filter != "none" or solver != "tcf" or options:
+            raise TypeError("register(assume_inliers=True) takes no noise_bound, time_limit, solver, filter or option")
         solver = "least_squares"
         fields = _core.run_assumed_inliers(rows)
         fields["residuals"] = np.frombuffer(fields["residuals"], np.float64)
     else:
-        fields = _core.run_solver(rows, solver, noise_bound, seed, filter, threads, options)
+        fields = _core.run_solver(rows, solver, noise_bound, seed, filter, threads, time_limit, options)
     return _registration(fields, correspondences=len(rows), solver=solver, filter=filter)
 
 

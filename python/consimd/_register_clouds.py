@@ -32,11 +32,13 @@ def register_clouds(
     verify: bool = True,
     refine: Literal["point", "plane", "gicp"] | None = None,
     threads: int | None = None,
+    time_limit: float | None = None,
     **options: Any,
 ) -> CloudRegistration:
     """Finds the rigid motion between two scans, (N, 3) and (M, 3).
 
-    noise_bound, solver, seed, threads: as in `register`; None: the noise bound is three times the clouds' resolution.
+    noise_bound, solver, seed, threads, time_limit: as in `register`, the limit being that of the search among the matches;
+    None: the noise bound is three times the clouds' resolution.
     verify: lets the clouds decide over the pose of their correspondences: their surfaces must agree better than at
     displaced poses, and neither scan may have seen through what the other has. Where they bear no pose out, or leave it in
     doubt, the front end is tried once more with voxels of one and a half times the side.
@@ -50,7 +52,12 @@ def register_clouds(
     matching = inspect.signature(match_clouds).bind(source, target, voxel, seed=seed, threads=threads, **options)
     matching.apply_defaults()
     fields = _core.register_clouds(
-        **matching.arguments, noise_bound=noise_bound, solver=solver, verify=verify, refine=refine
+        **matching.arguments,
+        noise_bound=noise_bound,
+        solver=solver,
+        verify=verify,
+        refine=refine,
+        time_limit=time_limit,
     )
     matches = _matches(fields["matches"])
     verdict = None

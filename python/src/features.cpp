@@ -34,6 +34,7 @@
 #include "bindings.hpp"
 #include "interruptible_call.hpp"
 #include "result_fields.hpp"
+#include "stop_arguments.hpp"
 #include "threads.hpp"
 
 namespace consimd::python {
@@ -167,6 +168,7 @@ nb::tuple match(const Descriptors& source, const Descriptors& target, std::size_
   }
   std::vector<std::int64_t> pairs;
   std::vector<float> distances;
+  distances.reserve(matches.size());
   for (const features::Match& m : matches) {
     pairs.insert(pairs.end(), {m.source, m.target});
     distances.push_back(m.distance);
@@ -264,6 +266,7 @@ nb::dict match_fields(const features::CloudMatches& result) {
   fields["source_points"] = points_array(result.source_points);
   fields["target_points"] = points_array(result.target_points);
   std::vector<float> distances;
+  distances.reserve(result.matches.size());
   for (const features::Match& m : result.matches) distances.push_back(m.distance);
   fields["distances"] = to_array(std::move(distances));
   fields["source"] = summary(result.source);
@@ -298,7 +301,8 @@ nb::object evidence_fields(const std::optional<features::PoseEvidence>& evidence
 
 nb::dict register_clouds(const MatchingArguments& arguments, std::optional<double> noise_bound,
                          const std::string& solver, bool verify, const std::optional<std::string>& refine,
-                         std::optional<int> threads) {
+                         std::optional<int> threads, std::optional<double> time_limit) {
+  require_time_limit(time_limit);
   features::CloudRegistrationOptions options{.matching = arguments.options,
                                              .noise_bound = noise_bound,
                                              .solver = solver,
@@ -306,10 +310,13 @@ nb::dict register_clouds(const MatchingArguments& arguments, std::optional<doubl
                                              .verify = verify};
   if (refine) options.refine = features::parse_refinement_method(*refine);
   const std::optional<int> limit = checked_threads(threads);
-  const auto result = interruptible_result<std::shared_ptr<features::CloudRegistration>>([=] {
+  using Result = std::shared_ptr<features::CloudRegistration>;
+  const auto result = stoppable_result<Result>([=](const std::atomic<bool>& interrupted) {
+    features::CloudRegistrationOptions stopped = options;
+    stopped.stop = stop_of(time_limit, interrupted);
     return with_threads(limit, [&] {
       return std::make_shared<features::CloudRegistration>(
-          features::register_clouds(*arguments.source, *arguments.target, options));
+          features::register_clouds(*arguments.source, *arguments.target, stopped));
     });
   });
   nb::dict fields;
@@ -378,7 +385,7 @@ void bind_features(nb::module_& module) {
              nb::arg("max_iterations"), nb::arg("missing").none(), nb::arg("threads").none());
   bind_on_clouds(module, "match_clouds", &match_clouds, nb::arg("threads").none());
   bind_on_clouds(module, "register_clouds", &register_clouds, nb::arg("noise_bound").none(), nb::arg("solver"),
-                 nb::arg("verify"), nb::arg("refine").none(), nb::arg("threads").none());
+                 nb::arg("verify"), nb::arg("refine").none(), nb::arg("threads").none(), nb::arg("time_limit").none());
 }
 
 }  // namespace consimd::python

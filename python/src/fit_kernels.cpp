@@ -32,24 +32,26 @@ constexpr std::size_t kAlignedFloats = 16;  // 64 bytes
 /// Weights at a 64-byte boundary, padded as the kernels want them.
 class AlignedWeights {
  public:
-  AlignedWeights(ArrayLike weights, const CorrespondenceView& view) : storage_(view.padded_size() + kAlignedFloats) {
+  AlignedWeights(ArrayLike weights, const CorrespondenceView& view)
+      : storage_(view.padded_size() + kAlignedFloats), padded_(view.padded_size()) {
     const std::vector<float> values = floats_from(weights, "weights", view.size());
     void* start = storage_.data();
     std::size_t space = storage_.size() * sizeof(float);
     first_ = static_cast<float*>(std::align(64, view.padded_size() * sizeof(float), start, space));
     std::copy(values.begin(), values.end(), first_);
   }
-  [[nodiscard]] const float* data() const noexcept { return first_; }
+  [[nodiscard]] std::span<const float> span() const noexcept { return {first_, padded_}; }
 
  private:
   std::vector<float> storage_;
+  std::size_t padded_;
   float* first_;
 };
 
 RigidMoments bound_weighted_moments(const SharedCorrespondences& c, ArrayLike weights_like) {
   const AlignedWeights weights(weights_like, *c.rows);
   const nb::gil_scoped_release unlocked;
-  return weighted_moments(*c.rows, weights.data());
+  return weighted_moments(*c.rows, weights.span());
 }
 
 RigidMoments bound_subset_moments(const SharedCorrespondences& c, ArrayLike bits_like) {

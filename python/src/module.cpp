@@ -1,6 +1,8 @@
 // consimd._core: the library as the Python modules beside it use it.
 #include <nanobind/nanobind.h>
 
+#include <consimd/version.hpp>
+
 #include "bindings.hpp"
 #include "interruptible_call.hpp"
 
@@ -18,7 +20,7 @@ NB_MODULE(_core, module) {
   bind_pictures(module);
   bind_sweep(module);
   bind_compare(module);
-  module.attr("__version__") = CONSIMD_VERSION;
+  module.attr("__version__") = CONSIMD_VERSION_STRING;
   nanobind::module_::import_("atexit").attr("register")(
       nanobind::cpp_function(&join_work_left_behind, nanobind::call_guard<nanobind::gil_scoped_release>()));
 }

@@ -2,6 +2,7 @@
 #include <consimd/solvers/registration.hpp>
 
 #include <array>
+#include <atomic>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -24,6 +25,7 @@
 #include "named_values.hpp"
 #include "result_fields.hpp"
 #include "solver_options.hpp"
+#include "stop_arguments.hpp"
 #include "threads.hpp"
 
 namespace consimd::python {
@@ -59,23 +61,26 @@ bool is_brief(std::string_view solver, std::size_t rows, const SolverOptions& op
 
 nb::dict run_solver(const SharedCorrespondences& correspondences, std::string_view solver,
                     std::optional<double> noise_bound, std::uint64_t seed, std::string_view filter,
-                    std::optional<int> threads, const nb::dict& given) {
+                    std::optional<int> threads, std::optional<double> time_limit, const nb::dict& given) {
   SolverOptions options;
   options.noise_bound = noise_bound;
   options.seed = seed;
   options.filter = filter_by_name(filter);
   const std::optional<int> limit = checked_threads(threads);
   const SolverChoice choice = solver_with_options(solver, given);
+  require_time_limit(time_limit);
   const auto rows = correspondences.rows;
   const bool brief = is_brief(solver, rows->size(), options, given);
-  const auto work = [rows, choice, options, limit] {
-    return with_threads(limit, [&] { return register_by_choice(choice, *rows, options); });
+  const auto work = [rows, choice, options, limit, time_limit](const std::atomic<bool>& interrupted) {
+    SolverOptions stopped = options;
+    stopped.stop = stop_of(time_limit, interrupted);
+    return with_threads(limit, [&] { return register_by_choice(choice, *rows, stopped); });
   };
-  if (!brief) return registration_fields(interruptible_result<Registration>(work));
+  if (!brief) return registration_fields(stoppable_result<Registration>(work));
   Registration result;
   {
     const nb::gil_scoped_release unlocked;
-    result = work();
+    result = work(false);
   }
   return registration_fields(result);
 }
@@ -138,13 +143,15 @@ nb::dict registration_fields(const Registration& result) {
   fields["noise_bound"] = result.noise_bound;
   fields["noise_bound_asked"] = result.noise_bound_asked;
   fields["mirrored"] = result.mirrored;
+  fields["stopped"] = result.stopped;
   fields["consistency_bound"] = result.consistency_bound;
   return fields;
 }
 
 void bind_registration(nb::module_& module) {
   module.def("run_solver", &run_solver, nb::arg("correspondences"), nb::arg("solver"), nb::arg("noise_bound").none(),
-             nb::arg("seed"), nb::arg("filter"), nb::arg("threads").none(), nb::arg("options"));
+             nb::arg("seed"), nb::arg("filter"), nb::arg("threads").none(), nb::arg("time_limit").none(),
+             nb::arg("options"));
   module.def("run_assumed_inliers", &run_assumed_inliers, nb::arg("correspondences"));
   module.def("estimate_noise_bound", &estimate, nb::arg("correspondences"), nb::arg("seed"), nb::arg("threads").none());
   module.def("edge_information", &information_of, nb::arg("pose"), nb::arg("covariance"), nb::arg("library"));

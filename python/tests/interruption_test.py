@@ -9,14 +9,14 @@ import pytest
 
 import consimd
 
-# Some seconds of clique search, longer than any wait below.
+# More samples than are drawn in an hour.
 LONG = """
 import consimd
-p = consimd.synth.noise_study_problem(3000, outlier_ratio=0.6, sigma=5.0)
+p = consimd.synth.noise_study_problem(3000, outlier_ratio=0.6)
 c = p.correspondences()
 print("ready", flush=True)
 try:
-    consimd.register(c, None, 60.0, "mac", threads=1, max_mean_degree=float("inf"), max_cliques=10**9, max_nodes=700_000)
+    consimd.register(c, None, 3.0, "ransac", max_iterations=4 * 10**9, confidence=None)
     print("finished", flush=True)
 except KeyboardInterrupt:
     print("interrupted", flush=True)
@@ -29,9 +29,8 @@ def test_ctrl_c_ends_a_registration_at_once(script):
     time.sleep(0.2)
     process.send_signal(signal.SIGINT)
     assert process.stdout.readline() == "interrupted\n"
-    # The solver was left behind: it ends by itself some seconds later, and the process in good order after it.
-    assert process.poll() is None
-    assert process.wait(timeout=120) == 0
+    # The search was ended with the call that waited for it, and the process ends in good order.
+    assert process.wait(timeout=60) == 0
     assert process.stderr.read() == ""
 
 

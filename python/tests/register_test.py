@@ -269,6 +269,23 @@ def test_an_unknown_scale_needs_a_bound_and_all_rows(problem):
         consimd.register(problem.source, problem.target, 1.5, estimate_scale=True)
 
 
+def test_a_time_limit_ends_the_search(problem):
+    endless = {"solver": "ransac", "max_iterations": 4 * 10**9, "confidence": None}
+    result = consimd.register(problem.source, problem.target, 1.5, time_limit=0.05, **endless)
+    assert (result.status, result.stopped) == (consimd.Status.BUDGET_EXHAUSTED, True)
+    limited = consimd.register(problem.source, problem.target, 1.5, time_limit=1e6)
+    free = consimd.register(problem.source, problem.target, 1.5)
+    assert not limited.stopped
+    assert (limited.pose == free.pose).all()
+    nothing = consimd.register(problem.source, problem.target, time_limit=1e-9)
+    assert (nothing.pose, nothing.stopped) == (None, True)
+    for seconds in (0, -1.0, float("nan")):
+        with pytest.raises(ValueError, match="time_limit is .*, expected seconds above 0, or None"):
+            consimd.register(problem.source, problem.target, 1.5, time_limit=seconds)
+    with pytest.raises(TypeError, match="takes no noise_bound, time_limit"):
+        consimd.register(problem.source, problem.target, time_limit=1.0, assume_inliers=True)
+
+
 def test_solvers_are_listed():
     assert next(iter(consimd.solvers())) == "tcf"
     assert all(consimd.solvers().values())

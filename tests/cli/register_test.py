@@ -360,6 +360,21 @@ class Register(CommandTest):
         self.assertEqual(done.returncode, 2)
         self.assertRegex(done.stderr, r"\Aconsimd: cannot write[^\n]*\n\Z")
 
+    def test_time_limit(self):
+        file = self.problem()
+        endless = ("--solver", "ransac:max_iterations=4000000000:confidence=none")
+        run = self.json(file, "--noise-bound", 0.3, *endless, "--time-limit", 0.05)["runs"][0]
+        self.assertEqual((run["status"], run["stopped"]), ("budget_exhausted", True))
+        text = self.run_command("register", file, "--noise-bound", 0.3, *endless, "--time-limit", 0.05)
+        self.assertIn(" ms, the search was ended by the time limit\n", text)
+        for bound in (("--noise-bound", 0.3), ()):
+            run = self.json(file, *bound, "--time-limit", 1e-9, code=1)["runs"][0]
+            self.assertEqual((run["status"], run["stopped"], run["T_target_source"]), ("no_consensus", True, None))
+            free, limited = (self.json(file, *bound, *limit) for limit in ((), ("--time-limit", 1e6)))
+            self.assertEqual(without_times(free), without_times(limited))
+        for seconds in (0, -1, "nan"):
+            self.assert_error("register", file, "--time-limit", seconds, says="--time-limit: expected a number of seconds > 0")
+
     def test_bad_truth(self):
         file = self.write("good.txt", "1 2 3 4 5 6\n" * 5)
         for text in ("", "1 0 0 0\n", "2 0 0 0\n0 2 0 0\n0 0 2 0\n", "1 0 0 0\n0 1 0 0\n0 0 -1 0\n", "a b c d\n"):

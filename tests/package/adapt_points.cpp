@@ -4,10 +4,10 @@
 #include <iostream>
 #include <vector>
 
+#include <consimd/consimd.hpp>
 #include <consimd/kernels/pcl_correspondences.hpp>
-#include <consimd/kernels/point_ranges.hpp>
-#include <consimd/poses/eigen_points.hpp>
-#include <consimd/solvers/tcf.hpp>
+
+static_assert(CONSIMD_VERSION == 10000 * CONSIMD_VERSION_MAJOR + 100 * CONSIMD_VERSION_MINOR + CONSIMD_VERSION_PATCH);
 
 namespace {
 
@@ -50,14 +50,16 @@ int main() {
   const consimd::TcfOptions options{.noise_bound = 0.01};
   const auto structs =
       consimd::register_tcf({consimd::range_points(source.points), consimd::range_points(target.points)}, options);
+  const auto ranges = consimd::register_tcf(source.points, target.points, options);
+  const auto by_name = consimd::register_by_name("tcf", p, q, {.noise_bound = 0.01, .threads = 1});
   const auto matrices = consimd::register_tcf({consimd::row_points(p), consimd::row_points(q)}, options);
   const auto matched = consimd::register_tcf(consimd::pcl_correspondences(source, target, matches), options);
   const std::vector<Match> inliers = consimd::matches_subset(matches, matched.inliers);
 
   const Eigen::Isometry3d pose = structs.T_target_source;
   std::cout << consimd::to_string(structs.status) << ", " << inliers.size() << " inliers\n";
-  return same(structs, matrices) && same(structs, matched) && inliers.size() == structs.inliers.size() &&
-                 pose.isApprox(truth.cast<double>(), 1e-5)
+  return same(structs, ranges) && same(structs, by_name) && same(structs, matrices) && same(structs, matched) &&
+                 inliers.size() == structs.inliers.size() && pose.isApprox(truth.cast<double>(), 1e-5)
              ? 0
              : 1;
 }

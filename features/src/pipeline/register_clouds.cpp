@@ -4,6 +4,8 @@
 #include <chrono>
 #include <utility>
 
+#include <consimd/solvers/threads.hpp>
+
 namespace consimd::features {
 namespace {
 
@@ -18,7 +20,8 @@ CloudRegistration attempt(const Cloud& source, const Cloud& target, const CloudR
   result.registration = register_by_name(options.solver, result.matches.correspondences,
                                          {.noise_bound = options.noise_bound.value_or(result.matches.noise_bound),
                                           .seed = options.seed,
-                                          .filter = options.filter});
+                                          .filter = options.filter,
+                                          .stop = options.stop});
   if (options.verify) {
     result.verdict = verify_registration(source, target, result.matches, options.matching, result.registration);
   }
@@ -28,7 +31,7 @@ CloudRegistration attempt(const Cloud& source, const Cloud& target, const CloudR
 /// The better of one or two attempts.
 CloudRegistration verified(const Cloud& source, const Cloud& target, const CloudRegistrationOptions& options) {
   CloudRegistration first = attempt(source, target, options);
-  if (!options.verify || first.verdict->log10_of_both < kBeyondDoubt) return first;
+  if (!options.verify || first.verdict->log10_of_both < kBeyondDoubt || first.registration.stopped) return first;
   // Clouds of a few voxels would be left with none.
   constexpr std::size_t kFewVoxels = 64;
   if (std::min(first.matches.source.voxels, first.matches.target.voxels) < kFewVoxels) return first;
@@ -70,10 +73,13 @@ Refinement refine_registration(const CloudMatches& matches, RefinementMethod met
 }
 
 CloudRegistration register_clouds(const Cloud& source, const Cloud& target, const CloudRegistrationOptions& options) {
-  CloudRegistration result = verified(source, target, options);
-  if (options.refine && result.registration.has_pose()) {
-    result.refinement = refine_registration(result.matches, *options.refine, result.registration);
-  }
+  CloudRegistration result;
+  run_on_threads(options.threads, [&] {
+    result = verified(source, target, options);
+    if (options.refine && result.registration.has_pose()) {
+      result.refinement = refine_registration(result.matches, *options.refine, result.registration);
+    }
+  });
   return result;
 }
 

@@ -5,14 +5,6 @@
 #include "cloud_arguments.hpp"
 
 namespace consimd {
-namespace {
-
-void require_aligned(const float* values, std::string_view name) {
-  if (reinterpret_cast<std::uintptr_t>(values) % 64 == 0) return;
-  throw std::invalid_argument(std::string(name) + " is not aligned to 64 bytes");
-}
-
-}  // namespace
 
 void pair_feature_counts(const CloudView& cloud, std::uint32_t point, std::span<const std::uint32_t> indices,
                          std::span<std::uint32_t, kPairFeatureBins> counts) {
@@ -28,8 +20,8 @@ void weighted_histogram_sum(std::span<const float> histograms, std::span<const s
   detail::require_size("squared_distances", squared_distances.size(), rows.size());
   detail::require_size("histograms", histograms.size(), histograms.size() / kHistogramStride * kHistogramStride);
   detail::require_points(rows, histograms.size() / kHistogramStride);
-  require_aligned(histograms.data(), "histograms");
-  require_aligned(sum.data(), "sum");
+  detail::require_aligned("histograms", histograms.data());
+  detail::require_aligned("sum", sum.data());
   detail::active_table().clouds.weighted_histogram_sum(histograms.data(), rows.data(), squared_distances.data(),
                                                        rows.size(), sum.data());
 }

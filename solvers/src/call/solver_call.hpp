@@ -6,6 +6,7 @@
 
 #include <consimd/kernels/correspondences.hpp>
 #include <consimd/solvers/registration.hpp>
+#include <consimd/solvers/threads.hpp>
 
 #include "call/distinct_rows.hpp"
 #include "call/option_checks.hpp"
@@ -17,6 +18,7 @@ namespace consimd::detail {
 struct CallOptions {
   double noise_bound = 0.0;  ///< caller's unit
   std::uint64_t seed = 1;
+  int threads = 0;
 };
 
 /// A registration that says what is used and has no result yet. `noise_bound`: used and asked for.
@@ -28,19 +30,22 @@ Registration start_registration(double noise_bound, double noise_bound_asked, st
 template <typename Options, typename Solve>
 Registration run_solver(const Correspondences& correspondences, const Options& asked, const Solve& solve) {
   require_length("noise_bound", asked.noise_bound);
-  Options options = asked;
-  options.noise_bound = std::max(asked.noise_bound, correspondences.resolution());
-  Registration result = start_registration(options.noise_bound, asked.noise_bound, options.seed);
-  const StageClock clock(result.seconds);
-  const DistinctRows rows(correspondences);
-  if (rows.correspondences().size() < 3) {
-    // Copies of one another are enough in number and coincide.
-    const bool copies = correspondences.size() - correspondences.far_rows().size() >= 3;
-    result.status = copies ? Status::degenerate_geometry : Status::too_few_correspondences;
-  } else {
-    solve(rows.correspondences(), options, result);
-    rows.restore(result.inliers);
-  }
+  Registration result;
+  run_on_threads(asked.threads, [&] {
+    Options options = asked;
+    options.noise_bound = std::max(asked.noise_bound, correspondences.resolution());
+    result = start_registration(options.noise_bound, asked.noise_bound, options.seed);
+    const StageClock clock(result.seconds);
+    const DistinctRows rows(correspondences);
+    if (rows.correspondences().size() < 3) {
+      // Copies of one another are enough in number and coincide.
+      const bool copies = correspondences.size() - correspondences.far_rows().size() >= 3;
+      result.status = copies ? Status::degenerate_geometry : Status::too_few_correspondences;
+    } else {
+      solve(rows.correspondences(), options, result);
+      rows.restore(result.inliers);
+    }
+  });
   return result;
 }
 

@@ -6,12 +6,20 @@
 
 namespace consimd::detail {
 
-void CliqueBranching::run(const GraphView& graph, std::uint32_t wanted, std::uint64_t max_nodes,
-                          std::uint64_t max_work) {
+namespace {
+
+// Nodes between looks at the condition, of some microseconds together.
+constexpr std::uint64_t kNodesBetweenLooks = 64;
+
+}  // namespace
+
+void CliqueBranching::run(const GraphView& graph, std::uint32_t wanted, std::uint64_t max_nodes, std::uint64_t max_work,
+                          const StopCondition& stop) {
   graph_ = &graph;
   wanted_ = wanted;
   max_nodes_ = max_nodes;
   max_work_ = max_work;
+  stop_ = stop;
   nodes_ = 0;
   work_ = 0;
   complete_ = true;
@@ -33,7 +41,7 @@ std::span<std::uint64_t> CliqueBranching::candidates_at(std::size_t depth) {
 }
 
 void CliqueBranching::expand(std::size_t depth) {
-  if (nodes_ == max_nodes_ || work_ >= max_work_) {
+  if (nodes_ == max_nodes_ || work_ >= max_work_ || (nodes_ % kNodesBetweenLooks == 0 && stop_.met())) {
     complete_ = false;
     return;
   }

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include <consimd/solvers/bit_graph.hpp>
+#include <consimd/solvers/stop_condition.hpp>
 
 namespace consimd::detail {
 
@@ -15,8 +16,10 @@ inline constexpr std::uint64_t kRowWork = 32;
 class CliqueBranching {
  public:
   /// A clique of at least `wanted` > 0 vertices, the largest, or none. Stops after `max_nodes` nodes or
-  /// `max_work` of work (see MaximumCliqueOptions). Vertices of high degree should come first.
-  void run(const GraphView& graph, std::uint32_t wanted, std::uint64_t max_nodes, std::uint64_t max_work);
+  /// `max_work` of work (see MaximumCliqueOptions), or when the condition is met. Vertices of high degree should come
+  /// first.
+  void run(const GraphView& graph, std::uint32_t wanted, std::uint64_t max_nodes, std::uint64_t max_work,
+           const StopCondition& stop);
 
   /// Empty: none that large was found.
   [[nodiscard]] const std::vector<std::uint32_t>& clique() const noexcept { return clique_; }
@@ -39,6 +42,7 @@ class CliqueBranching {
   std::uint32_t wanted_ = 0;
   std::uint64_t max_nodes_ = 0;
   std::uint64_t max_work_ = 0;
+  StopCondition stop_;
   std::uint64_t nodes_ = 0;
   std::uint64_t work_ = 0;
   bool complete_ = true;

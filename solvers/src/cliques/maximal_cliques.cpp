@@ -14,6 +14,10 @@ MaximalCliques maximal_cliques(const GraphView& graph, const MaximalCliqueOption
   for (std::uint32_t p = 0; p < size; ++p) rank[order[p]] = p;
   detail::CliqueEnumeration enumeration;
   for (std::uint32_t v = 0; v < size; ++v) {
+    if (options.stop.met()) {
+      result.cut_short.push_back(v);
+      continue;
+    }
     enumeration.run(graph, rank, v, {options.min_size, options.max_cliques / size, options.max_nodes / size},
                     [&](std::span<const std::uint32_t> clique) {
                       std::vector<std::uint32_t>& members = result.cliques.emplace_back();

@@ -183,19 +183,18 @@ class MaximumCliqueSearch {
       : reduced_(graph, options.larger_than),
         larger_than_(options.larger_than),
         nodes_left_(options.max_nodes),
-        work_left_(options.max_work) {}
+        work_left_(options.max_work),
+        stop_(options.stop) {}
 
   MaximumClique run() {
     const std::size_t size = reduced_.rest().size();
-    std::vector<std::uint32_t> starts;
-    for (std::size_t i = 0; i < std::min(kFirstStarts, size); ++i) {
-      starts.push_back(static_cast<std::uint32_t>(i * size / std::min(kFirstStarts, size)));
-    }
+    std::vector<std::uint32_t> starts(std::min(kFirstStarts, size));
+    for (std::size_t i = 0; i < starts.size(); ++i) starts[i] = static_cast<std::uint32_t>(i * size / starts.size());
     grow(starts);
     reduced_.reduce();
     starts.clear();
     for (std::uint32_t v = 0; v < reduced_.rest().size(); ++v) starts.push_back(v);
-    for (std::span<const std::uint32_t> left = starts; !left.empty() && work_left_ > 0;) {
+    for (std::span<const std::uint32_t> left = starts; !left.empty() && work_left_ > 0 && !stop_.met();) {
       const std::span<const std::uint32_t> round = left.first(std::min(round_size(), left.size()));
       left = left.subspan(round.size());
       grow(round);
@@ -264,7 +263,7 @@ class MaximumCliqueSearch {
     for (std::size_t first = 0; first < graph.size(); first += kSearchRound) {
       const std::uint32_t wanted = reduced_.wanted();
       if (reduced_.core()[first] + 1 < wanted) break;  // and so are all that follow
-      if (nodes_left_ == 0 || work_left_ == 0) return false;
+      if (nodes_left_ == 0 || work_left_ == 0 || stop_.met()) return false;
       const std::size_t count = std::min(kSearchRound, graph.size() - first);
       const Budget share{nodes_left_ / count, work_left_ / count};
       outcomes_.assign(count, {});
@@ -301,7 +300,7 @@ class MaximumCliqueSearch {
     if (!hopeful) return outcome;
     scratch.neighbourhood.list_by_degree(scratch.vertices);
     scratch.graph.assign_subgraph(graph, scratch.vertices);
-    scratch.branching.run(scratch.graph, std::max(wanted, 2U) - 1, share.nodes, share.work);
+    scratch.branching.run(scratch.graph, std::max(wanted, 2U) - 1, share.nodes, share.work, stop_);
     outcome.complete = scratch.branching.complete();
     outcome.nodes = scratch.branching.nodes();
     outcome.work += scratch.branching.work();
@@ -315,6 +314,7 @@ class MaximumCliqueSearch {
   std::uint32_t larger_than_;
   std::uint64_t nodes_left_;
   std::uint64_t work_left_;
+  StopCondition stop_;
   std::uint64_t nodes_ = 0;
   std::uint64_t work_ = 0;
   std::uint64_t work_of_start_ = 0;  // mean of the last round

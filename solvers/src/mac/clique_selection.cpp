@@ -117,7 +117,7 @@ SelectedCliques select_cliques(const CompatibilityGraph& graph, const MacOptions
   std::vector<std::size_t> best(size);  // position in `all`, plus 1; 0: none
   tbb::enumerable_thread_specific<CliquesAround> scratch;
   std::vector<CliquesAround::Result> results;
-  for (std::size_t first = 0; first < size; first += kRound) {
+  for (std::size_t first = 0; first < size && !selected.stopped; first += kRound) {
     results.assign(std::min(kRound, size - first), {});
     tbb::parallel_for(tbb::blocked_range<std::size_t>(0, results.size(), 4), [&](const auto& range) {
       for (std::size_t i = range.begin(); i < range.end(); ++i) {
@@ -138,6 +138,7 @@ SelectedCliques select_cliques(const CompatibilityGraph& graph, const MacOptions
         if (kept) all.push_back(std::move(clique));
       }
     }
+    selected.stopped = first + results.size() < size && options.stop.met();
   }
   std::ranges::sort(best);
   best.erase(std::unique(best.begin(), best.end()), best.end());

@@ -20,6 +20,7 @@ struct SelectedCliques {
   std::vector<WeightedClique> cliques;   ///< all different, heaviest first
   std::uint64_t found = 0;               ///< maximal cliques met
   std::vector<std::uint32_t> cut_short;  ///< vertices whose share of a budget ended
+  bool stopped = false;                  ///< before all vertices had their turn
 };
 
 /// Selects among the maximal cliques of three and more. Parallel over vertices.

@@ -179,7 +179,8 @@ void solve(const Correspondences& correspondences, const MacOptions& options, Re
   hypothesis_report.output = poses.best().support.count;
   hypothesis_report.iterations = selected.cliques.size();
 
-  const bool confident = !may_have_missed(*graph, selected.cut_short, poses);
+  result.stopped = selected.stopped;
+  const bool confident = !selected.stopped && !may_have_missed(*graph, selected.cut_short, poses);
   result.stages = {clique_report, hypothesis_report};
   const detail::PoseTest test = {options.noise_bound, options.bounds_tried};
   detail::finish_and_conclude(correspondences, test, poses, best_set, confident, result);

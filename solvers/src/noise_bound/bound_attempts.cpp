@@ -55,7 +55,7 @@ void BoundAttempts::run(double largest_bound) {
   std::uint32_t since_least = 0;
   bool looked = false;
   const bool upwards = effort_.exhaustive && effort_.stops_in_doubt;
-  for (std::uint32_t b = 0; b < kBounds; ++b) {
+  for (std::uint32_t b = 0; b < kBounds && !stop_.met(); ++b) {
     const double bound = std::ldexp(largest_bound, -static_cast<int>(upwards ? kBounds - 1 - b : b));
     double least_here = 0.0;
     if (effort_.independent) {
@@ -80,7 +80,8 @@ void BoundAttempts::run(double largest_bound) {
 
 // Searches with the poses of the last bound at hand; log10 of the least number of false poses found.
 double BoundAttempts::try_bound(const Correspondences& searched, double bound) {
-  ConsensusSearch search(searched, {.noise_bound = bound, .seed = seed_, .max_seeds = effort_.seeds, .settles = false});
+  ConsensusSearch search(
+      searched, {.noise_bound = bound, .seed = seed_, .max_seeds = effort_.seeds, .stop = stop_, .settles = false});
   for (const WorkingPose& pose : known_) search.offer(pose);
   search.run(effort_.exhaustive);
   known_.clear();

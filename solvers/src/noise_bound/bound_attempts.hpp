@@ -11,6 +11,7 @@
 #include <consimd/kernels/correspondences.hpp>
 #include <consimd/kernels/elementary_functions.hpp>
 #include <consimd/kernels/kernel_data.hpp>
+#include <consimd/solvers/stop_condition.hpp>
 
 #include "verdict/background.hpp"
 #include "verdict/kept_structure.hpp"
@@ -78,8 +79,9 @@ std::vector<Effort> efforts(std::size_t rows);
 class BoundAttempts {
  public:
   /// Keeps a reference to the correspondences.
-  BoundAttempts(const Correspondences& correspondences, double largest_bound, std::uint64_t seed, const Effort& effort)
-      : correspondences_(correspondences), seed_(seed), effort_(effort) {
+  BoundAttempts(const Correspondences& correspondences, double largest_bound, std::uint64_t seed, const Effort& effort,
+                const StopCondition& stop)
+      : correspondences_(correspondences), seed_(seed), effort_(effort), stop_(stop) {
     run(largest_bound);
   }
 
@@ -96,6 +98,7 @@ class BoundAttempts {
   const Correspondences& correspondences_;
   std::uint64_t seed_;
   Effort effort_;
+  StopCondition stop_;
   std::vector<WorkingPose> known_;  // the poses at the last bound
   std::vector<Attempt> tried_;
   std::optional<Attempt> beyond_doubt_;

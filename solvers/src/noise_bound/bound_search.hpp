@@ -8,18 +8,20 @@
 #include <consimd/kernels/kernel_data.hpp>
 #include <consimd/solvers/noise_bound.hpp>
 #include <consimd/solvers/registration.hpp>
+#include <consimd/solvers/stop_condition.hpp>
 
 namespace consimd::detail {
 
 struct BoundSearch {
   NoiseBoundEstimate estimate;
   /// The pose that the estimate rests on and then all that were tried, if that pose is significant but not beyond
-  /// doubt: a solver may miss it. Else none.
+  /// doubt, or no time is left: a solver may miss it. Else none.
   std::vector<WorkingPose> poses;
 };
 
 /// See estimate_noise_bound.
-BoundSearch search_noise_bound(const Correspondences& correspondences, std::uint64_t seed);
+BoundSearch search_noise_bound(const Correspondences& correspondences, std::uint64_t seed,
+                               const StopCondition& stop = {});
 
 /// The registration of the pose that an estimate rests on, the others being what it has to stand up to. `found` has
 /// poses.

@@ -197,7 +197,7 @@ Correspondences sample(const Correspondences& correspondences, std::size_t wante
 
 }  // namespace
 
-BoundSearch search_noise_bound(const Correspondences& all, std::uint64_t seed) {
+BoundSearch search_noise_bound(const Correspondences& all, std::uint64_t seed, const StopCondition& stop) {
   const DistinctRows rows(all);
   const Correspondences& correspondences = rows.correspondences();
   const double size = extent(correspondences);
@@ -207,22 +207,25 @@ BoundSearch search_noise_bound(const Correspondences& all, std::uint64_t seed) {
   const double largest_bound = kLargestBound * size;
   CloseLooks looks(correspondences);
   const auto from = [&](const Attempt& sure) {
-    return BoundSearch{{measured_bound(correspondences, looks, sure), sure.log10_false_poses, kBounds}, {}};
+    const double bound = measured_bound(correspondences, looks, sure);
+    std::vector<WorkingPose> poses;
+    if (stop.met()) poses.push_back(sure.pose);
+    return BoundSearch{{bound, sure.log10_false_poses, kBounds}, std::move(poses)};
   };
   // A pose that some of the rows put beyond doubt tells the noise as well as all of them do.
   for (std::size_t wanted = kSampledRows; 2 * wanted < correspondences.size(); wanted *= kSampleGrowth) {
     const Correspondences some = sample(correspondences, wanted);
-    const BoundAttempts found(some, largest_bound, seed, kOnSample);
+    const BoundAttempts found(some, largest_bound, seed, kOnSample, stop);
     if (found.beyond_doubt()) return from(*found.beyond_doubt());
   }
   Attempt chosen{largest_bound, {}, 0.0};
   std::vector<WorkingPose> poses;
   for (const Effort& effort : efforts(correspondences.size())) {
-    const BoundAttempts found(correspondences, largest_bound, seed, effort);
+    const BoundAttempts found(correspondences, largest_bound, seed, effort, stop);
     if (found.beyond_doubt()) return from(*found.beyond_doubt());
     for (const Attempt& attempt : found.tried()) poses.push_back(attempt.pose);
     chosen = looked_at_closely(correspondences, looks, found.tried(), chosen);
-    if (chosen.log10_false_poses + penalty() < kSignificant) break;
+    if (chosen.log10_false_poses + penalty() < kSignificant || stop.met()) break;
   }
   const NoiseBoundEstimate estimate{chosen.bound, chosen.log10_false_poses + penalty(), kBounds};
   if (estimate.log10_false_poses >= kSignificant) return {estimate, {}};

@@ -51,8 +51,8 @@ class Search {
       : correspondences_(correspondences), options_(options), poses_(correspondences, options.noise_bound) {}
 
   /// `rows`: as many of the best-ranked ones as the matrix may have. Offers the poses of at most `batches` of triples,
-  /// each one of at most `most_screened`; ends early once the best pose is significant. Returns whether it is, or no
-  /// triple is left.
+  /// each one of at most `most_screened`; ends early once the best pose is significant, or stopped. Returns whether it
+  /// is significant, or no triple is left.
   bool run(std::span<const std::uint32_t> rows, std::uint32_t batches, std::uint32_t most_screened,
            std::uint64_t max_triples) {
     const Correspondences ranked = correspondences_.subset(rows);
@@ -67,6 +67,10 @@ class Search {
     std::vector<IndexTriple> batch;
     std::vector<WorkingPose> hypotheses;
     for (std::uint32_t b = 0; b < batches; ++b) {
+      if (options_.stop.met()) {
+        stopped_ = true;
+        break;
+      }
       const std::size_t wanted = std::min(options_.batch, options_.max_hypotheses - b * options_.batch);
       order.next(std::min<std::size_t>(most_screened, std::size_t{1} << std::min(b, 31U)) * wanted, max_triples, batch);
       if (batch.empty()) break;
@@ -82,8 +86,11 @@ class Search {
       if (significant_) break;
     }
     pairs.iterations += order.looked_at();
-    return order.done() || significant_;
+    return !stopped_ && (order.done() || significant_);
   }
+
+  /// Whether the options' condition has ended it.
+  [[nodiscard]] bool stopped() const noexcept { return stopped_; }
 
   [[nodiscard]] const detail::BestPoses& poses() const noexcept { return poses_; }
   /// Rows that agree in length with the triple that the best pose came from.
@@ -117,6 +124,7 @@ class Search {
   detail::BestPoses poses_;
   IndexTriple best_triple_{};
   bool significant_ = false;
+  bool stopped_ = false;
 };
 
 void solve(const Correspondences& correspondences, const Pcr99Options& options, Registration& result) {
@@ -134,7 +142,7 @@ void solve(const Correspondences& correspondences, const Pcr99Options& options, 
   Search search(correspondences, options);
   search.pairs.input = size;
   search.pairs.output = kept;
-  const bool confident = search.run(std::span(order).first(kept), batches, options.max_screened, options.max_triples);
+  const bool settled = search.run(std::span(order).first(kept), batches, options.max_screened, options.max_triples);
   if (search.poses().best().support.count >= 3) {
     // The first pose that is significant ends the search: another may have as much support.
     std::vector<std::uint32_t> rest;
@@ -146,7 +154,9 @@ void solve(const Correspondences& correspondences, const Pcr99Options& options, 
   search.triples.input = kept;
   search.triples.output = search.poses().best().support.count;
   result.stages = {ranking, search.pairs, search.triples};
-  detail::finish_and_conclude(correspondences, test_of(options), search.poses(), search.best_set(), confident, result);
+  result.stopped = search.stopped();
+  detail::finish_and_conclude(correspondences, test_of(options), search.poses(), search.best_set(),
+                              settled && !search.stopped(), result);
 }
 
 Registration register_at_known_scale(const Correspondences& correspondences, const Pcr99Options& options) {
@@ -173,10 +183,12 @@ std::vector<float> ranking_costs(const Correspondences& correspondences, const P
 Registration register_pcr99(const Correspondences& correspondences, const Pcr99Options& options) {
   check(options);
   if (!options.estimate_scale) return register_at_known_scale(correspondences, options);
-  return detail::register_scaled(correspondences, options.noise_bound, options.bounds_tried, options.seed,
-                                 detail::Refinement::full, [&](const Correspondences& scaled, std::uint32_t tried) {
+  return detail::register_scaled(correspondences, {options.noise_bound, options.seed, options.threads},
+                                 options.bounds_tried, detail::Refinement::full,
+                                 [&](const Correspondences& scaled, std::uint32_t tried) {
                                    Pcr99Options known = options;
                                    known.bounds_tried = tried;
+                                   known.threads = 0;
                                    return register_at_known_scale(scaled, known);
                                  });
 }

@@ -20,6 +20,7 @@ void solve(const Correspondences& correspondences, const RansacOptions& options,
   search_report.iterations = search.iterations();
 
   result.stages = {search_report};
+  result.stopped = search.stopped();
   const detail::PoseTest test = {options.noise_bound, options.bounds_tried};
   detail::finish_and_conclude(correspondences, test, search.poses(), search.best_set(), search.confident(), result);
 }

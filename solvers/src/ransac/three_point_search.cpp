@@ -63,6 +63,10 @@ std::uint64_t ThreePointSearch::iterations_needed() const {
 
 void ThreePointSearch::run() {
   for (std::uint64_t round = kFirstRound; iterations_ < wanted_; round = std::min(2 * round, kLargestRound)) {
+    if (options_.stop.met()) {
+      stopped_ = true;
+      return;
+    }
     const std::uint64_t end = std::min(iterations_ + round, wanted_);
     draw(end - iterations_);
     fit();

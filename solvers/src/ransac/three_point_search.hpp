@@ -26,6 +26,8 @@ class ThreePointSearch {
   [[nodiscard]] std::uint64_t iterations() const noexcept { return iterations_; }
   /// Whether the samples drawn suffice for the wanted confidence, or are as many as were asked for.
   [[nodiscard]] bool confident() const { return iterations_ >= iterations_needed(); }
+  /// Whether the options' condition has ended it.
+  [[nodiscard]] bool stopped() const noexcept { return stopped_; }
   /// Rows that agree in length with each of the three that the best pose came from, ascending.
   [[nodiscard]] std::vector<std::uint32_t> best_set() const;
 
@@ -46,6 +48,7 @@ class ThreePointSearch {
   float highest_sample_score_ = 0.0F;  // before local optimisation
   std::uint64_t iterations_ = 0;
   std::uint64_t wanted_;  // iterations, as far as is known
+  bool stopped_ = false;
 
   // Samples of a round.
   std::vector<IndexTriple> drawn_;

@@ -4,6 +4,8 @@
 #include <string>
 #include <utility>
 
+#include <consimd/solvers/threads.hpp>
+
 #include "call/stage_clock.hpp"
 #include "noise_bound/bound_search.hpp"
 #include "registry/filtered_registration.hpp"
@@ -38,6 +40,8 @@ namespace {
 // Takes the place of a registration that found nothing, after its stages.
 void fall_back_on(Registration other, Registration& result) {
   if (!other.has_pose()) return;
+  other.stopped = result.stopped;
+  if (other.stopped && other.status == Status::success) other.status = Status::budget_exhausted;
   other.seconds += result.seconds;
   other.stages.insert(other.stages.begin(), result.stages.begin(), result.stages.end());
   result = std::move(other);
@@ -61,7 +65,9 @@ Registration register_by_choice(SolverChoice choice, const Correspondences& corr
   options.estimate_scale = choice.estimates_scale();
   return register_with(
       [&](const Correspondences& rows, double noise_bound, std::uint32_t bounds_tried) {
-        return choice.run(rows, {.noise_bound = noise_bound, .seed = options.seed, .bounds_tried = bounds_tried});
+        return choice.run(
+            rows,
+            {.noise_bound = noise_bound, .seed = options.seed, .bounds_tried = bounds_tried, .stop = options.stop});
       },
       correspondences, options);
 }
@@ -71,15 +77,16 @@ Registration register_by_name(std::string_view solver, const Correspondences& co
   return register_by_choice(SolverChoice(solver), correspondences, options);
 }
 
-Registration register_with(const SolverCall& solver, const Correspondences& correspondences,
-                           const SolverOptions& options) {
-  if (options.estimate_scale) require_scale_can_be_estimated(options);
+namespace {
+
+Registration register_in_arena(const SolverCall& solver, const Correspondences& correspondences,
+                               const SolverOptions& options) {
   if (options.noise_bound) return run(solver, correspondences, *options.noise_bound, 1, options);
   StageReport estimation{"noise_bound", correspondences.size(), 0, 0, 0.0};
   detail::BoundSearch found;
   {
     const detail::StageClock clock(estimation.seconds);
-    found = detail::search_noise_bound(correspondences, options.seed);
+    found = detail::search_noise_bound(correspondences, options.seed, options.stop);
   }
   const NoiseBoundEstimate& estimate = found.estimate;
   Registration result = run(solver, correspondences, estimate.noise_bound, estimate.bounds_tried, options);
@@ -90,6 +97,16 @@ Registration register_with(const SolverCall& solver, const Correspondences& corr
   estimation.iterations = estimate.bounds_tried;
   result.seconds += estimation.seconds;
   result.stages.insert(result.stages.begin(), std::move(estimation));
+  return result;
+}
+
+}  // namespace
+
+Registration register_with(const SolverCall& solver, const Correspondences& correspondences,
+                           const SolverOptions& options) {
+  if (options.estimate_scale) require_scale_can_be_estimated(options);
+  Registration result;
+  run_on_threads(options.threads, [&] { result = register_in_arena(solver, correspondences, options); });
   return result;
 }
 

@@ -51,6 +51,8 @@ Solver entry(std::string name, Facts facts, const detail::OptionList<Options>& l
     Options options = defaults;
     options.noise_bound = task.noise_bound;
     options.seed = task.seed;
+    options.threads = task.threads;
+    options.stop = task.stop;
     // tcf-published does not test for significance.
     if constexpr (requires { options.bounds_tried; }) options.bounds_tried = task.bounds_tried;
     for (const OptionSetting& setting : settings) {

@@ -57,6 +57,7 @@ void solve(const Correspondences& correspondences, const Sc2PcrOptions& options,
     {
       const detail::StageClock stage_clock(fitting.seconds);
       const SeedPoses hypotheses = second_order_poses(rows, matrices, seeds, options);
+      result.stopped = hypotheses.stopped;
       if (const auto best = detail::select_pose(correspondences, hypotheses.poses, tau, options.ranking, poses)) {
         const IndexTriple& leading = hypotheses.leading[*best];
         best_set = detail::rows_agreeing_with(
@@ -69,9 +70,9 @@ void solve(const Correspondences& correspondences, const Sc2PcrOptions& options,
     if (poses.best().support.count >= 3) {
       final = detail::finish(correspondences, test, poses);
     }
-    if (final.log10_false_poses < detail::kSignificant) break;
+    if (final.log10_false_poses < detail::kSignificant || result.stopped) break;
   }
-  detail::conclude(correspondences, test, poses, best_set, final, true, result);
+  detail::conclude(correspondences, test, poses, best_set, final, !result.stopped, result);
   seeding.output = fitting.iterations;
   refinement.output = result.inliers.size();
   refinement.iterations = final.rounds;

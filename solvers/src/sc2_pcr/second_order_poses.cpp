@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <array>
+#include <atomic>
 #include <cmath>
 #include <limits>
 
@@ -162,9 +163,14 @@ void CompatibilityMatrices::compute(const CorrespondenceView& view, double d) {
 
 SeedPoses second_order_poses(const Correspondences& correspondences, const CompatibilityMatrices& matrices,
                              std::span<const std::uint32_t> seeds, const Sc2PcrOptions& options) {
-  SeedPoses result{std::vector<WorkingPose>(seeds.size()), std::vector<IndexTriple>(seeds.size())};
+  SeedPoses result{std::vector<WorkingPose>(seeds.size(), no_pose()), std::vector<IndexTriple>(seeds.size())};
+  std::atomic<bool> stopped = false;
   tbb::enumerable_thread_specific<SeedSet> sets(correspondences.view(), matrices, options);
   tbb::parallel_for(tbb::blocked_range<std::size_t>(0, seeds.size(), kSeedsPerTask), [&](const auto& range) {
+    if (options.stop.met()) {
+      stopped = true;
+      return;
+    }
     SeedSet& set = sets.local();
     for (std::size_t s = range.begin(); s < range.end(); ++s) {
       set.find(seeds[s]);
@@ -174,6 +180,7 @@ SeedPoses second_order_poses(const Correspondences& correspondences, const Compa
                                              : IndexTriple{members[0], members[1], members[2]};
     }
   });
+  result.stopped = stopped;
   return result;
 }
 

@@ -113,6 +113,7 @@ void solve(const Correspondences& correspondences, double noise_bound, std::uint
     Trial trial{{voted.scale}, solver(scaled, times(bounds_tried, scales_told_apart(scaled, noise_bound, seed)))};
     trial.similarity.T_target_source = trial.run.T_target_source;
     std::ranges::copy(trial.run.stages, std::back_inserter(result.stages));
+    result.stopped = result.stopped || trial.run.stopped;
     trials.push_back(std::move(trial));
   }
   const std::size_t best = best_of(trials);
@@ -159,9 +160,9 @@ void solve(const Correspondences& correspondences, double noise_bound, std::uint
 
 }  // namespace
 
-Registration register_scaled(const Correspondences& correspondences, double noise_bound, std::uint32_t bounds_tried,
-                             std::uint64_t seed, Refinement refinement, const KnownScaleSolver& solver) {
-  return run_solver(correspondences, CallOptions{noise_bound, seed},
+Registration register_scaled(const Correspondences& correspondences, const CallOptions& options,
+                             std::uint32_t bounds_tried, Refinement refinement, const KnownScaleSolver& solver) {
+  return run_solver(correspondences, options,
                     [&](const Correspondences& rows, const CallOptions& used, Registration& result) {
                       solve(rows, used.noise_bound, bounds_tried, used.seed, refinement, solver, result);
                     });

@@ -7,6 +7,7 @@
 #include <consimd/kernels/correspondences.hpp>
 #include <consimd/solvers/registration.hpp>
 
+#include "call/solver_call.hpp"
 #include "verdict/final_pose.hpp"
 
 namespace consimd::detail {
@@ -19,7 +20,7 @@ using KnownScaleSolver = std::function<Registration(const Correspondences& scale
 /// then refined in turn on all correspondences until both stand still, unless the solver's own estimate is asked for.
 /// The pose is tested as one of that scale, its number of false poses multiplied by the number of scales that could be
 /// told apart. The covariance of the pose includes what the scale's uncertainty adds to it.
-Registration register_scaled(const Correspondences& correspondences, double noise_bound, std::uint32_t bounds_tried,
-                             std::uint64_t seed, Refinement refinement, const KnownScaleSolver& solver);
+Registration register_scaled(const Correspondences& correspondences, const CallOptions& options,
+                             std::uint32_t bounds_tried, Refinement refinement, const KnownScaleSolver& solver);
 
 }  // namespace consimd::detail

@@ -31,7 +31,7 @@ std::uint64_t ConsensusSearch::seeds_needed() const {
   return std::min<std::uint64_t>(iterations_needed(options_.confidence, share, 1), correspondences_.size());
 }
 
-bool ConsensusSearch::confident() const { return sets_.drawn() >= seeds_needed(); }
+bool ConsensusSearch::confident() const { return !stopped_ && sets_.drawn() >= seeds_needed(); }
 
 void ConsensusSearch::offer(const WorkingPose& pose) {
   const PoseCandidate start = scored(correspondences_, pose, options_.noise_bound);
@@ -40,7 +40,7 @@ void ConsensusSearch::offer(const WorkingPose& pose) {
 
 void ConsensusSearch::run(bool exhaustive) {
   draw_rounds(exhaustive);
-  look_for_repeated_rival();
+  if (!stopped_) look_for_repeated_rival();
 }
 
 // Where points are in many rows, another motion may join the supporters' points anew, as the turns of a symmetric part
@@ -56,6 +56,7 @@ void ConsensusSearch::look_for_repeated_rival() {
   const Correspondences others = correspondences_.subset(rows);
   ConsensusSearch search(others, options_);
   search.draw_rounds(false);
+  stopped_ = search.stopped();
   if (search.best().support.count < 3) return;
   const PoseCandidate rival = scored(correspondences_, search.best().pose, options_.noise_bound);
   if (!poses_.offer(locally_optimise(correspondences_, rival, options_.noise_bound))) return;
@@ -74,6 +75,10 @@ void ConsensusSearch::draw_rounds(bool exhaustive) {
     return poses_.best_explains(row) || (settled_ && poses_.runner_up_explains(row));
   };
   for (std::uint32_t round = rounds.first; sets_.drawn() < wanted(); round = std::min(2 * round, rounds.largest)) {
+    if (options_.stop.met()) {
+      stopped_ = true;
+      return;
+    }
     const std::uint32_t left = wanted() - sets_.drawn();
     sets_.draw(std::min(round, left), left > rounds.largest);
     std::span<const std::uint32_t> ranking = sets_.rank(support_of_interest(), explained);

@@ -8,6 +8,7 @@
 
 #include <consimd/kernels/correspondences.hpp>
 #include <consimd/solvers/significance.hpp>
+#include <consimd/solvers/stop_condition.hpp>
 
 #include "search/seed_sets.hpp"
 #include "search/set_poses.hpp"
@@ -23,6 +24,7 @@ struct ConsensusSearchOptions {
   std::uint32_t max_seeds = 10'000;
   std::size_t matrix_budget_bytes = std::size_t{64} << 20;
   TcfTuning tuning = {};
+  StopCondition stop = {};
   bool settles = true;  ///< looks whether the best pose is beyond doubt, so that only rivals are searched for then
 };
 
@@ -47,6 +49,8 @@ class ConsensusSearch {
   [[nodiscard]] const std::vector<std::uint32_t>& best_set() const noexcept { return best_set_; }
   /// Whether the seeds drawn suffice for the wanted confidence.
   [[nodiscard]] bool confident() const;
+  /// Whether the options' condition has ended it.
+  [[nodiscard]] bool stopped() const noexcept { return stopped_; }
 
   /// The significance of the best pose, once a glance leaves hardly a doubt: only rivals may still turn up then.
   [[nodiscard]] const std::optional<Significance>& settled() const noexcept { return settled_; }
@@ -73,6 +77,7 @@ class ConsensusSearch {
   tbb::enumerable_thread_specific<PoseScratch> scratch_;
   double three_point_seconds_ = 0.0;
   std::uint64_t minimal_fits_ = 0;
+  bool stopped_ = false;
 };
 
 }  // namespace consimd::detail

@@ -52,12 +52,17 @@ void solve(const Correspondences& correspondences, const TcfOptions& options, co
                                                       .confidence = options.confidence,
                                                       .max_seeds = options.max_seeds,
                                                       .matrix_budget_bytes = options.matrix_budget_bytes,
-                                                      .tuning = tuning};
+                                                      .tuning = tuning,
+                                                      .stop = options.stop};
   const detail::PoseTest test = {options.noise_bound, options.bounds_tried};
   detail::ConsensusSearch search(correspondences, search_options);
   double refinement_seconds = 0.0;
   Judged judged{detail::BestPoses(correspondences, options.noise_bound), {}};
   for (const bool exhaustive : {false, true}) {
+    if (exhaustive && options.stop.met()) {
+      result.stopped = true;
+      break;
+    }
     search.run(exhaustive);
     const detail::StageClock refinement_clock(refinement_seconds);
     if (search.best().support.count < 3) continue;
@@ -65,12 +70,13 @@ void solve(const Correspondences& correspondences, const TcfOptions& options, co
     const detail::FinalPose final =
         detail::finish(correspondences, test, poses, detail::Refinement::full, search.settled());
     if (!exhaustive || final.log10_false_poses < judged.final.log10_false_poses) judged = {poses, final};
-    if (!exhaustive && final.log10_false_poses >= detail::kSignificant) {
+    if (!exhaustive && !search.stopped() && final.log10_false_poses >= detail::kSignificant) {
       search_independent_rows(correspondences, search_options, test, judged);
     }
     if (judged.final.log10_false_poses < detail::kSignificant) break;
   }
   const auto& [poses, final] = judged;
+  result.stopped = result.stopped || search.stopped();
 
   detail::conclude(correspondences, test, poses, search.best_set(), final, search.confident(), result);
   const detail::SeedSets& sets = search.sets();

@@ -23,7 +23,10 @@ void solve(const Correspondences& correspondences, const TcfPublishedOptions& op
     result.status = Status::degenerate_geometry;
     return;
   }
+  // Its stages take some milliseconds each: between them is where it can be stopped.
   const auto run_stage = [&](std::string name, std::size_t input, auto&& stage) {
+    result.stopped = result.stopped || options.stop.met();
+    if (result.stopped) return;
     StageReport report{std::move(name), input};
     {
       const detail::StageClock clock(report.seconds);
@@ -78,6 +81,10 @@ void solve(const Correspondences& correspondences, const TcfPublishedOptions& op
     report.output = irls.members.size();
     report.iterations = irls.rounds;
   });
+  if (result.stopped) {
+    result.status = Status::no_consensus;
+    return;
+  }
   if (!irls.fit.determined()) {
     result.status = Status::degenerate_geometry;
     return;

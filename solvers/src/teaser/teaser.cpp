@@ -30,14 +30,16 @@ struct Selected {
   std::vector<std::uint32_t> rows;
   bool proven = true;
   std::uint64_t nodes = 0;
+  bool stopped = false;
 };
 
 Selected select(const ConsistencyMatrix& matrix, const TeaserOptions& options) {
   Selected selected;
   switch (options.selection) {
     case TeaserOptions::Selection::maximum_clique: {
-      MaximumClique clique = maximum_clique(matrix, {.max_nodes = options.max_nodes, .max_work = options.max_work});
-      selected = {std::move(clique.members), clique.proven, clique.nodes};
+      MaximumClique clique =
+          maximum_clique(matrix, {.max_nodes = options.max_nodes, .max_work = options.max_work, .stop = options.stop});
+      selected = {std::move(clique.members), clique.proven, clique.nodes, !clique.proven && options.stop.met()};
       break;
     }
     case TeaserOptions::Selection::maximum_core:
@@ -128,10 +130,13 @@ bool look_for_rival(const Correspondences& correspondences, const TeaserOptions&
   const Correspondences others = correspondences.subset(rest);
   ConsistencyMatrix matrix;
   matrix.compute(others.view(), 2.0 * options.noise_bound);
-  const MaximumClique clique = maximum_clique(
-      matrix, {.max_nodes = 0, .max_work = options.max_work / kRivalWork, .larger_than = std::max(supporters, 3U) - 1});
+  const MaximumClique clique = maximum_clique(matrix, {.max_nodes = 0,
+                                                       .max_work = options.max_work / kRivalWork,
+                                                       .larger_than = std::max(supporters, 3U) - 1,
+                                                       .stop = options.stop});
   if (clique.members.empty()) return clique.proven;
   std::vector<std::uint32_t> rows;
+  rows.reserve(clique.members.size());
   for (const std::uint32_t i : clique.members) rows.push_back(rest[i]);
   poses.offer(estimate(correspondences, rows, options).candidate);
   return false;
@@ -157,13 +162,15 @@ void solve(const Correspondences& correspondences, const TeaserOptions& options,
 
   detail::BestPoses poses(correspondences, options.noise_bound);
   bool confident = selected.proven;
+  result.stopped = selected.stopped;
   if (best.candidate.support.count >= 3) {
     StageReport rival_report{"rival", size};
     {
       const detail::StageClock stage(rival_report.seconds);
       poses.offer(best.candidate);
       const bool without_rival = look_for_rival(correspondences, options, poses);
-      confident = confident || without_rival;
+      result.stopped = result.stopped || (!without_rival && options.stop.met());
+      confident = (confident || without_rival) && !result.stopped;
     }
     rival_report.output = poses.runner_up().support.count;
     result.stages.push_back(rival_report);
@@ -184,10 +191,12 @@ Registration register_teaser(const Correspondences& correspondences, const Tease
   detail::require_options(detail::teaser_options(), options);
   detail::require_whole_matrix(options.matrix_budget_bytes, correspondences.size());
   if (!options.estimate_scale) return register_at_known_scale(correspondences, options);
-  return detail::register_scaled(correspondences, options.noise_bound, options.bounds_tried, options.seed,
-                                 refinement_of(options), [&](const Correspondences& scaled, std::uint32_t tried) {
+  return detail::register_scaled(correspondences, {options.noise_bound, options.seed, options.threads},
+                                 options.bounds_tried, refinement_of(options),
+                                 [&](const Correspondences& scaled, std::uint32_t tried) {
                                    TeaserOptions known = options;
                                    known.bounds_tried = tried;
+                                   known.threads = 0;
                                    return register_at_known_scale(scaled, known);
                                  });
 }

@@ -53,7 +53,10 @@ void solve(const Correspondences& correspondences, const TurboRegOptions& option
   std::vector<std::uint32_t> best_set;
   {
     const detail::StageClock stage_clock(clique_search.seconds);
-    const std::vector<IndexTriple> cliques = pivot_cliques(matrix, pivots, options.cliques_per_pivot);
+    // Its stages take a few milliseconds each: between them is where it can be stopped.
+    result.stopped = options.stop.met();
+    const std::vector<IndexTriple> cliques =
+        result.stopped ? std::vector<IndexTriple>() : pivot_cliques(matrix, pivots, options.cliques_per_pivot);
     const std::vector<WorkingPose> hypotheses = fit(rows, cliques);
     if (const auto best = detail::select_pose(correspondences, hypotheses, tau, options.ranking, poses)) {
       const IndexTriple& clique = cliques[*best];
@@ -65,7 +68,7 @@ void solve(const Correspondences& correspondences, const TurboRegOptions& option
   }
   result.stages = {compatibility, pivot_search, clique_search};
   const detail::PoseTest test = {tau, options.bounds_tried};
-  detail::finish_and_conclude(correspondences, test, poses, best_set, true, result);
+  detail::finish_and_conclude(correspondences, test, poses, best_set, !result.stopped, result);
 }
 
 }  // namespace

@@ -22,6 +22,9 @@ struct CloudRegistrationOptions {
   std::string solver = "tcf";
   Filter filter = Filter::none;
   std::uint64_t seed = 1;
+  /// At most so many threads, in an oneTBB arena of its own; 0: in the caller's arena.
+  int threads = 0;
+  StopCondition stop = {};  ///< ends the search among the matches early; there is no second attempt then
   /// Let the clouds decide over the pose of their correspondences (see cloud_verdict.hpp). Where they bear none out,
   /// or leave it in doubt, the front end is tried once more with voxels of one and a half times the side.
   bool verify = true;

@@ -7,6 +7,7 @@
 
 #include <consimd/kernels/export.hpp>
 #include <consimd/solvers/bit_graph.hpp>
+#include <consimd/solvers/stop_condition.hpp>
 
 namespace CONSIMD_EXPORT consimd {
 
@@ -16,6 +17,7 @@ struct MaximalCliqueOptions {
   std::uint32_t min_size = 1;  ///< smaller ones are left out
   std::uint64_t max_cliques = std::numeric_limits<std::uint64_t>::max();
   std::uint64_t max_nodes = std::numeric_limits<std::uint64_t>::max();  ///< of the search tree
+  StopCondition stop = {};                                              ///< ends the search as a budget does
 };
 
 struct MaximalCliques {

@@ -6,6 +6,7 @@
 
 #include <consimd/kernels/export.hpp>
 #include <consimd/solvers/bit_graph.hpp>
+#include <consimd/solvers/stop_condition.hpp>
 
 namespace CONSIMD_EXPORT consimd {
 
@@ -19,6 +20,7 @@ struct MaximumCliqueOptions {
   std::uint64_t max_work = std::uint64_t{1} << 31;
   /// Cliques of up to so many vertices are of no interest, which saves most of the work where there are no larger ones.
   std::uint32_t larger_than = 0;
+  StopCondition stop = {};  ///< ends the search as a budget does
 };
 
 struct MaximumClique {

@@ -12,6 +12,7 @@
 #include <consimd/kernels/export.hpp>
 #include <consimd/solvers/pose_ranking.hpp>
 #include <consimd/solvers/registration.hpp>
+#include <consimd/solvers/stop_condition.hpp>
 
 namespace CONSIMD_EXPORT consimd {
 
@@ -48,6 +49,9 @@ struct Pcr99Options {
   /// Noise bounds that the given one was chosen from by looking at the data, >= 1: their number counts in the
   /// significance.
   std::uint32_t bounds_tried = 1;
+  /// At most so many threads, in an oneTBB arena of its own; 0: in the caller's arena.
+  int threads = 0;
+  StopCondition stop = {};  ///< ends the search early
 };
 
 /// Cost of each correspondence i, N: the sum over all others j of min(d_ij, 1), d_ij the disagreement of their lengths

@@ -9,6 +9,7 @@
 #include <consimd/kernels/correspondences.hpp>
 #include <consimd/kernels/export.hpp>
 #include <consimd/solvers/registration.hpp>
+#include <consimd/solvers/stop_condition.hpp>
 
 namespace CONSIMD_EXPORT consimd {
 
@@ -31,6 +32,9 @@ struct RansacOptions {
   /// Noise bounds that the given one was chosen from by looking at the data, >= 1: their number counts in the
   /// significance.
   std::uint32_t bounds_tried = 1;
+  /// At most so many threads, in an oneTBB arena of its own; 0: in the caller's arena.
+  int threads = 0;
+  StopCondition stop = {};  ///< ends the search early
 };
 
 /// Registers with three-point RANSAC: the pose of a random sample with the largest truncated quadratic score (MSAC) on

@@ -22,7 +22,7 @@ enum class Status : std::uint8_t {
   no_consensus,             ///< no pose has more support than chance gives
   degenerate_geometry,      ///< the supporters do not determine a pose: coincident, or on a line
   ambiguous,                ///< another motion has about as much support; see Registration::runner_up
-  budget_exhausted,         ///< the iteration budget ended before the wanted confidence; the best pose so far is given
+  budget_exhausted,         ///< the search ended before the wanted confidence: by its budget, or stopped
 };
 
 /// "success", "too_few_correspondences", ...
@@ -74,13 +74,15 @@ struct Registration {
   std::optional<RunnerUp> refused;
   /// Without a pose: the rows that agree in length are a mirror image, which no motion brings into place.
   bool mirrored = false;
+  /// The search was ended by its StopCondition: a pose is the best until then, and none may yet have been found.
+  bool stopped = false;
   std::vector<StageReport> stages;
   double seconds = 0.0;  ///< wall time of the whole registration
 
   // What was used.
   std::uint64_t seed = 0;
   Isa isa = Isa::scalar;
-  int threads = 1;           ///< concurrency of the caller's arena
+  int threads = 1;           ///< concurrency of the arena
   double noise_bound = 0.0;  ///< tau, caller's unit
   /// What was given, or estimated where nothing was. `noise_bound` is larger where this is below the resolution of the
   /// data (see Correspondences::resolution).

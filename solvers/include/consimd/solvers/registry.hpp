@@ -13,6 +13,7 @@
 #include <consimd/kernels/export.hpp>
 #include <consimd/solvers/registration.hpp>
 #include <consimd/solvers/solver_option.hpp>
+#include <consimd/solvers/stop_condition.hpp>
 
 namespace CONSIMD_EXPORT consimd {
 
@@ -24,6 +25,9 @@ struct SolverTask {
   /// Noise bounds that the given one was chosen from by looking at the data, >= 1: their number counts in the
   /// significance.
   std::uint32_t bounds_tried = 1;
+  /// At most so many threads, in an oneTBB arena of its own; 0: in the caller's arena.
+  int threads = 0;
+  StopCondition stop = {};  ///< ends the search early
 };
 
 /// An option and the value that it is given.

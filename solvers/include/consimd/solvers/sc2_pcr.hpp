@@ -13,6 +13,7 @@
 #include <consimd/kernels/export.hpp>
 #include <consimd/solvers/pose_ranking.hpp>
 #include <consimd/solvers/registration.hpp>
+#include <consimd/solvers/stop_condition.hpp>
 
 namespace CONSIMD_EXPORT consimd {
 
@@ -41,6 +42,9 @@ struct Sc2PcrOptions {
   /// Noise bounds that the given one was chosen from by looking at the data, >= 1: their number counts in the
   /// significance.
   std::uint32_t bounds_tried = 1;
+  /// At most so many threads, in an oneTBB arena of its own; 0: in the caller's arena.
+  int threads = 0;
+  StopCondition stop = {};  ///< ends the search early
 };
 
 /// First-order compatibilities by two bounds.
@@ -65,6 +69,7 @@ struct CompatibilityMatrices {
 struct SeedPoses {
   std::vector<WorkingPose> poses;    ///< S; NaN where a set determines none
   std::vector<IndexTriple> leading;  ///< S: the seed and the two that agree most with its set; the seed thrice if none
+  bool stopped = false;              ///< seeds that come late may have no pose for that
 };
 
 /// For each seed s the `first_set` compatible correspondences j of most common neighbours (SC2_sj), of these the

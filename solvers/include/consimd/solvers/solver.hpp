@@ -8,8 +8,10 @@
 
 #include <consimd/kernels/correspondences.hpp>
 #include <consimd/kernels/export.hpp>
+#include <consimd/poses/point_pairs.hpp>
 #include <consimd/solvers/registration.hpp>
 #include <consimd/solvers/registry.hpp>
+#include <consimd/solvers/stop_condition.hpp>
 
 namespace CONSIMD_EXPORT consimd {
 
@@ -35,6 +37,9 @@ struct SolverOptions {
   /// Find the scale of the source as well: x_target = scale * R * x_source + t. Only of solvers that can,
   /// with a noise bound and without a filter. The same as their option of that name.
   bool estimate_scale = false;
+  /// At most so many threads, in an oneTBB arena of its own; 0: in the caller's arena.
+  int threads = 0;
+  StopCondition stop = {};  ///< ends the search early
 };
 
 /// Runs a solver, after the filter if there is one. A pose found among the rows that a filter keeps is brought
@@ -50,8 +55,15 @@ struct SolverOptions {
 [[nodiscard]] Registration register_by_name(std::string_view solver, const Correspondences& correspondences,
                                             const SolverOptions& options);
 
-/// A solver of the caller's, called with the noise bound to use, which was chosen from `bounds_tried` ones by
-/// looking at the data.
+/// The same where source[k] is to be brought to target[k]: see point_pairs.hpp.
+template <typename Source, typename Target>
+[[nodiscard]] Registration register_by_name(std::string_view solver, const Source& source, const Target& target,
+                                            const SolverOptions& options) {
+  return register_by_name(solver, point_pairs(source, target), options);
+}
+
+/// A solver of the caller's, called in the arena of the options with the noise bound to use, which was chosen from
+/// `bounds_tried` ones by looking at the data.
 using SolverCall = std::function<Registration(const Correspondences&, double noise_bound, std::uint32_t bounds_tried)>;
 
 /// As above for a solver of the caller's, which has its own seed; that of `options` is for the rest.

@@ -4,7 +4,9 @@
 
 #include <consimd/kernels/correspondences.hpp>
 #include <consimd/kernels/export.hpp>
+#include <consimd/poses/point_pairs.hpp>
 #include <consimd/solvers/registration.hpp>
+#include <consimd/solvers/stop_condition.hpp>
 
 namespace CONSIMD_EXPORT consimd {
 
@@ -22,6 +24,9 @@ struct TcfOptions {
   /// Noise bounds that the given one was chosen from by looking at the data, >= 1: their number counts in the
   /// significance.
   std::uint32_t bounds_tried = 1;
+  /// At most so many threads, in an oneTBB arena of its own; 0: in the caller's arena.
+  int threads = 0;
+  StopCondition stop = {};  ///< ends the search early
 };
 
 /// Registers with TCF. Parallel over hypotheses in the caller's oneTBB arena; the result has the same bits for any
@@ -32,5 +37,12 @@ struct TcfOptions {
 /// by their support among all correspondences; and the final fit re-selects inliers from all correspondences with the
 /// weights of a Gaussian-plus-uniform mixture. Throws std::invalid_argument on a bad option.
 [[nodiscard]] Registration register_tcf(const Correspondences& correspondences, const TcfOptions& options);
+
+/// The same where source[k] is to be brought to target[k]: ranges of points, or matrices of Eigen's, see
+/// point_pairs.hpp, which also tells what is thrown.
+template <typename Source, typename Target>
+[[nodiscard]] Registration register_tcf(const Source& source, const Target& target, const TcfOptions& options) {
+  return register_tcf(point_pairs(source, target), options);
+}
 
 }  // namespace consimd

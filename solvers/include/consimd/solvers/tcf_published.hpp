@@ -7,6 +7,7 @@
 #include <consimd/kernels/correspondences.hpp>
 #include <consimd/kernels/export.hpp>
 #include <consimd/solvers/registration.hpp>
+#include <consimd/solvers/stop_condition.hpp>
 
 namespace CONSIMD_EXPORT consimd {
 
@@ -16,6 +17,9 @@ struct TcfPublishedOptions {
   std::uint64_t seed = 1;
   double confidence = 0.99;               ///< lambda, of each of the three sampling stages; in (0, 1)
   std::uint32_t max_iterations = 10'000;  ///< of each of them
+  /// At most so many threads, in an oneTBB arena of its own; 0: in the caller's arena.
+  int threads = 0;
+  StopCondition stop = {};  ///< ends the search early
 };
 
 /// Registers with algorithms 1 to 4 of the paper one after the other, each on what the one before kept, with the

@@ -10,6 +10,7 @@
 #include <consimd/solvers/gnc_rotation.hpp>
 #include <consimd/solvers/maximum_clique.hpp>
 #include <consimd/solvers/registration.hpp>
+#include <consimd/solvers/stop_condition.hpp>
 
 namespace CONSIMD_EXPORT consimd {
 
@@ -41,6 +42,9 @@ struct TeaserOptions {
   /// Noise bounds that the given one was chosen from by looking at the data, >= 1: their number counts in the
   /// significance.
   std::uint32_t bounds_tried = 1;
+  /// At most so many threads, in an oneTBB arena of its own; 0: in the caller's arena.
+  int threads = 0;
+  StopCondition stop = {};  ///< ends the search early
 };
 
 /// Registers with TEASER, at scale 1 or at the scale that pairs vote for: pairs that agree in length, their maximum

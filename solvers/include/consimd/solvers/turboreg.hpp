@@ -12,6 +12,7 @@
 #include <consimd/kernels/export.hpp>
 #include <consimd/solvers/pose_ranking.hpp>
 #include <consimd/solvers/registration.hpp>
+#include <consimd/solvers/stop_condition.hpp>
 
 namespace CONSIMD_EXPORT consimd {
 
@@ -35,6 +36,9 @@ struct TurboRegOptions {
   /// Noise bounds that the given one was chosen from by looking at the data, >= 1: their number counts in the
   /// significance.
   std::uint32_t bounds_tried = 1;
+  /// At most so many threads, in an oneTBB arena of its own; 0: in the caller's arena.
+  int threads = 0;
+  StopCondition stop = {};  ///< ends the search early
 };
 
 /// The `count` edges (first < second) whose ends have most common neighbours, at least one; most first, ties in the
