@@ -17,8 +17,8 @@ constexpr Effort kOnFew{.seeds = 1024, .bounds_past = kBounds, .glances = 1};
 constexpr Effort kOnIndependent{.seeds = 1024, .bounds_past = kBounds, .independent = true};
 // As much as a registration that finds nothing at first.
 constexpr Effort kLast{
-    .seeds = ConsensusSearchOptions{}.max_seeds, .bounds_past = 1, .stops_in_doubt = true, .exhaustive = true};
-constexpr Effort kLastOfFew{.seeds = kLast.seeds, .bounds_past = kBounds, .glances = 1, .exhaustive = true};
+    .seeds = ConsensusSearchOptions{}.max_seeds, .bounds_past = 1, .stops_in_doubt = true, .careful = true};
+constexpr Effort kLastOfFew{.seeds = kLast.seeds, .bounds_past = kBounds, .glances = 1, .careful = true};
 
 }  // namespace
 
@@ -48,13 +48,13 @@ std::vector<Effort> efforts(std::size_t rows) {
   return {kOnAll, kOnIndependent, kLast};
 }
 
-// From the largest bound on, each half of the last; from the smallest on where the time of an exhaustive search
+// From the largest bound on, each half of the last; from the smallest on where the time of a careful search
 // matters, which grows with the bound.
 void BoundAttempts::run(double largest_bound) {
   double least = kSignificant;
   std::uint32_t since_least = 0;
   bool looked = false;
-  const bool upwards = effort_.exhaustive && effort_.stops_in_doubt;
+  const bool upwards = effort_.careful && effort_.stops_in_doubt;
   for (std::uint32_t b = 0; b < kBounds && !stop_.met(); ++b) {
     const double bound = std::ldexp(largest_bound, -static_cast<int>(upwards ? kBounds - 1 - b : b));
     double least_here = 0.0;
@@ -83,7 +83,7 @@ double BoundAttempts::try_bound(const Correspondences& searched, double bound) {
   ConsensusSearch search(
       searched, {.noise_bound = bound, .seed = seed_, .max_seeds = effort_.seeds, .stop = stop_, .settles = false});
   for (const WorkingPose& pose : known_) search.offer(pose);
-  search.run(effort_.exhaustive);
+  search.run(effort_.careful);
   known_.clear();
   double least = 0.0;
   for (const PoseCandidate* found : {&search.poses().best(), &search.poses().runner_up()}) {

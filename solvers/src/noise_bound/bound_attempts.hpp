@@ -67,7 +67,7 @@ struct Effort {
   bool stops_in_doubt = false;
   std::size_t glances = 3;   ///< at the most significant attempts: what a glance finds of one may be too little
   bool independent = false;  ///< among rows that tell of different places, where that are clearly fewer than all
-  bool exhaustive = false;
+  bool careful = false;
 };
 /// On some of the rows.
 inline constexpr Effort kOnSample{.seeds = 256, .bounds_past = 2, .stops_in_doubt = true};

@@ -15,6 +15,10 @@
 namespace consimd::detail {
 namespace {
 
+// That a seed of any pose that may become the best or its rival has been drawn, in a search with care, if no more is
+// asked for.
+constexpr double kCarefulConfidence = 0.999;
+
 bool lower_score(const PoseCandidate& a, const PoseCandidate& b) { return a.support.score < b.support.score; }
 
 }  // namespace
@@ -31,6 +35,11 @@ std::uint64_t ConsensusSearch::seeds_needed() const {
   return std::min<std::uint64_t>(iterations_needed(options_.confidence, share, 1), correspondences_.size());
 }
 
+std::uint64_t ConsensusSearch::careful_seeds() const {
+  const double share = std::max(support_of_interest(), 3U) / static_cast<double>(correspondences_.size());
+  return iterations_needed(std::max(options_.confidence, kCarefulConfidence), share, 1);
+}
+
 bool ConsensusSearch::confident() const { return !stopped_ && sets_.drawn() >= seeds_needed(); }
 
 void ConsensusSearch::offer(const WorkingPose& pose) {
@@ -38,8 +47,8 @@ void ConsensusSearch::offer(const WorkingPose& pose) {
   if (poses_.offer(locally_optimise(correspondences_, start, options_.noise_bound))) settle();
 }
 
-void ConsensusSearch::run(bool exhaustive) {
-  draw_rounds(exhaustive);
+void ConsensusSearch::run(bool careful) {
+  draw_rounds(careful);
   if (!stopped_) look_for_repeated_rival();
 }
 
@@ -65,11 +74,13 @@ void ConsensusSearch::look_for_repeated_rival() {
   settle();
 }
 
-void ConsensusSearch::draw_rounds(bool exhaustive) {
+void ConsensusSearch::draw_rounds(bool careful) {
   const RoundTuning& rounds = options_.tuning.round;
-  if (exhaustive) sets_.start_over(with_care(options_.tuning));
+  if (careful) sets_.start_over(with_care(options_.tuning));
   const std::uint64_t limit = std::min<std::uint64_t>(correspondences_.size(), options_.max_seeds);
-  const auto wanted = [&] { return static_cast<std::uint32_t>(exhaustive ? limit : std::min(limit, seeds_needed())); };
+  const auto wanted = [&] {
+    return static_cast<std::uint32_t>(std::min(limit, careful ? careful_seeds() : seeds_needed()));
+  };
   // A seed that the best pose moves to its target would lead to that pose again.
   const auto explained = [&](std::uint32_t row) {
     return poses_.best_explains(row) || (settled_ && poses_.runner_up_explains(row));

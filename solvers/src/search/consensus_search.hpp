@@ -36,9 +36,9 @@ class ConsensusSearch {
   /// Starts from a pose that is known already, locally optimised.
   void offer(const WorkingPose& pose);
 
-  /// Draws rounds of seeds until one of the best pose's supporters has been among them with the wanted confidence, or,
-  /// if `exhaustive`, all of them, again and with more care.
-  void run(bool exhaustive);
+  /// Draws rounds of seeds until one of the best pose's supporters has been among them with the wanted confidence; or,
+  /// with care, again until one of any pose that may become the best or its rival has been, with more confidence.
+  void run(bool careful);
 
   /// The pose of highest score so far, locally optimised; support.count below 3: none.
   [[nodiscard]] const PoseCandidate& best() const noexcept { return poses_.best(); }
@@ -61,8 +61,9 @@ class ConsensusSearch {
 
  private:
   [[nodiscard]] std::uint64_t seeds_needed() const;
+  [[nodiscard]] std::uint64_t careful_seeds() const;
   [[nodiscard]] std::uint32_t support_of_interest() const;
-  void draw_rounds(bool exhaustive);
+  void draw_rounds(bool careful);
   void look_for_repeated_rival();
   void settle();
   void fit_sets(std::span<const std::uint32_t> positions);

@@ -58,19 +58,19 @@ void solve(const Correspondences& correspondences, const TcfOptions& options, co
   detail::ConsensusSearch search(correspondences, search_options);
   double refinement_seconds = 0.0;
   Judged judged{detail::BestPoses(correspondences, options.noise_bound), {}};
-  for (const bool exhaustive : {false, true}) {
-    if (exhaustive && options.stop.met()) {
+  for (const bool careful : {false, true}) {
+    if (careful && options.stop.met()) {
       result.stopped = true;
       break;
     }
-    search.run(exhaustive);
+    search.run(careful);
     const detail::StageClock refinement_clock(refinement_seconds);
     if (search.best().support.count < 3) continue;
     detail::BestPoses poses = search.poses();
     const detail::FinalPose final =
         detail::finish(correspondences, test, poses, detail::Refinement::full, search.settled());
-    if (!exhaustive || final.log10_false_poses < judged.final.log10_false_poses) judged = {poses, final};
-    if (!exhaustive && !search.stopped() && final.log10_false_poses >= detail::kSignificant) {
+    if (!careful || final.log10_false_poses < judged.final.log10_false_poses) judged = {poses, final};
+    if (!careful && !search.stopped() && final.log10_false_poses >= detail::kSignificant) {
       search_independent_rows(correspondences, search_options, test, judged);
     }
     if (judged.final.log10_false_poses < detail::kSignificant) break;

@@ -30,6 +30,9 @@ constexpr double kScaleDeviations = 5.0;
 constexpr double kRepeatable = 3.0 * kSignificant;
 constexpr double kRepeatedShare = 0.5;
 
+// Where a pose is looked at: two tries at being significant.
+constexpr double kPlaces = 2.0;
+
 // A close look at a pose that a glance leaves in doubt.
 double significance_if_doubtful(const Correspondences& correspondences, const PoseTest& test, const WorkingPose& pose) {
   const Significance glance = significance(correspondences, pose, test.noise_bound, Scrutiny::glance);
@@ -106,15 +109,39 @@ bool is_at_another_scale(const FinalPose& final) {
          2.0 * deviations * deviations > 3.0 * static_cast<double>(final.inliers.size());
 }
 
+// The pose that is most likely near one. Which pose has the largest score about it depends on the way there, and rows
+// at the rim, which decide over a dozen places, come and go; likelihood has one maximum.
+PoseCandidate most_likely(const Correspondences& correspondences, const PoseCandidate& start, double noise_bound) {
+  const RigidFit fit = refine_pose(correspondences, start.pose, {noise_bound}).fit;
+  if (!fit.determined()) return start;
+  const PoseCandidate found = scored(correspondences.view(), to_working_pose(fit.pose), noise_bound);
+  return found.support.count < 3 ? start : found;
+}
+
 // Brings the best pose and the runner-up into place and lets the more significant of them be the best pose, which
 // `log10_false_poses` is told of. Returns whether it was the runner-up.
 bool most_significant(const Correspondences& correspondences, const PoseTest& test, Refinement refinement,
                       BestPoses& poses, double& log10_false_poses) {
   const double noise_bound = test.noise_bound;
-  if (refinement == Refinement::full) poses.promote(widely_optimise(correspondences, poses.best(), noise_bound));
-  log10_false_poses = significance_if_doubtful(correspondences, test, poses.best().pose);
+  const bool moves = refinement == Refinement::full;
+  if (moves) poses.promote(widely_optimise(correspondences, poses.best(), noise_bound));
+  log10_false_poses = significance(correspondences, poses.best().pose, noise_bound, Scrutiny::glance).log10_false_poses;
+  if (log10_false_poses < kBeyondDoubt) return false;
+  const PoseCandidate best = poses.best();
+  if (moves) poses.promote(most_likely(correspondences, best, noise_bound));
+  log10_false_poses = test.log10_false_poses(correspondences, poses.best().pose);
+  if (moves && log10_false_poses >= kSignificant) {
+    // Half a dozen supporters hardly tell their noise, and so not where they make the pose most likely.
+    const double of_best =
+        test.log10_false_poses(correspondences, best.pose, kSignificant) + elementary::log10(kPlaces);
+    if (of_best < kSignificant) {
+      log10_false_poses = of_best;
+      poses.promote(best);
+    }
+  }
   if (log10_false_poses < kBeyondDoubt || poses.runner_up().support.count < 3) return false;
-  const PoseCandidate rival = widely_optimise(correspondences, poses.runner_up(), noise_bound);
+  PoseCandidate rival = widely_optimise(correspondences, poses.runner_up(), noise_bound);
+  if (moves) rival = most_likely(correspondences, rival, noise_bound);
   if (poses.same_motion_as_best(rival.pose)) return false;
   const double of_rival = test.log10_false_poses(correspondences, rival.pose);
   if (of_rival >= log10_false_poses) return false;

@@ -25,8 +25,10 @@ struct PoseTest {
   /// Measured when a pose is first looked at closely, and kept for the next.
   mutable std::shared_ptr<const Background> background = nullptr;
 
-  /// A close look; the bounds tried do not count. All calls are given the same correspondences.
-  [[nodiscard]] double log10_false_poses(const Correspondences& correspondences, const WorkingPose& pose) const;
+  /// A close look; the bounds tried do not count. Where it is not below `enough` there may be more. All calls are given
+  /// the same correspondences.
+  [[nodiscard]] double log10_false_poses(const Correspondences& correspondences, const WorkingPose& pose,
+                                         double enough = 0.0) const;
 };
 
 }  // namespace consimd::detail
