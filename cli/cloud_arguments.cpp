@@ -24,14 +24,20 @@ std::optional<std::size_t> number_after(std::string_view text, std::string_view 
   return value;
 }
 
-/// How many keypoints, all where there is no number, and whether they are those of ISS.
-std::pair<std::optional<std::size_t>, bool> keypoints_of(const std::string& text) {
-  if (text == "all") return {std::nullopt, false};
-  if (text == "iss") return {std::nullopt, true};
+void choose_keypoints(const std::string& text, features::CloudMatchingOptions& options) {
   constexpr std::size_t kMost = 0xffffffff;
-  if (const auto count = number_after(text, "random", kMost)) return {count, false};
-  if (const auto count = number_after(text, "iss", kMost)) return {count, true};
-  throw std::invalid_argument(fmt::format("--keypoints: expected all, random:COUNT, iss or iss:COUNT, got '{}'", text));
+  const auto chosen = [&](std::string_view name) { return options.keypoints = number_after(text, name, kMost); };
+  if (text == "all" || text == "iss") {
+    options.keypoints = std::nullopt;
+    options.iss = text == "iss";
+  } else if (chosen("farthest")) {
+    options.farthest = true;
+  } else if (chosen("iss")) {
+    options.iss = true;
+  } else if (!chosen("random")) {
+    throw std::invalid_argument(
+        fmt::format("--keypoints: expected all, random:COUNT, farthest:COUNT, iss or iss:COUNT, got '{}'", text));
+  }
 }
 
 features::MatchOptions matches_of(const std::string& text) {
@@ -56,8 +62,8 @@ void add_cloud_options(CLI::App& command, CloudArguments& arguments) {
   command
       .add_option(
           "--keypoints", arguments.keypoints,
-          "Of clouds: the points that are described and matched: random:COUNT of each cloud, iss, its ISS keypoints, "
-          "or iss:COUNT of them at random, or all")
+          "Of clouds: the points that are described and matched: random:COUNT of each cloud, farthest:COUNT, each as "
+          "far as can be from those before, iss, its ISS keypoints, or iss:COUNT of them at random, or all")
       ->capture_default_str();
   command
       .add_option("--matches", arguments.matches,
@@ -79,12 +85,10 @@ void add_refinement_options(CLI::App& command, CloudArguments& arguments) {
 }
 
 features::CloudMatchingOptions matching_options(const CloudArguments& arguments, std::uint64_t seed) {
-  const auto [keypoints, iss] = keypoints_of(arguments.keypoints);
-  return {.voxel = arguments.voxel,
-          .keypoints = keypoints,
-          .iss = iss,
-          .matches = matches_of(arguments.matches),
-          .seed = seed};
+  features::CloudMatchingOptions options{
+      .voxel = arguments.voxel, .matches = matches_of(arguments.matches), .seed = seed};
+  choose_keypoints(arguments.keypoints, options);
+  return options;
 }
 
 CloudPair read_clouds(const std::string& source, const std::string& target, const CloudArguments& arguments) {
@@ -111,7 +115,7 @@ std::string to_text(const features::CloudMatches& matches, const CloudArguments&
   const auto out = std::back_inserter(text);
   for (const auto& [name, cloud] : {std::pair("source", &matches.source), std::pair("target", &matches.target)}) {
     fmt::format_to(out, "{:<14}{} points", name, cloud->points);
-    if (cloud->left_out > 0) fmt::format_to(out, " ({} rows without a place left out)", cloud->left_out);
+    if (cloud->left_out > 0) fmt::format_to(out, " ({} rows left out, without a place or far off)", cloud->left_out);
     fmt::format_to(out, ", {} voxels, {} described, resolution {:.3g}\n", cloud->voxels, cloud->descriptors,
                    cloud->resolution);
   }

@@ -14,16 +14,16 @@ constexpr std::size_t kPairs = 64;
 constexpr std::size_t kClosePairs = kPairs / 10;
 constexpr double kStandsOut = 24.0;
 
-template <typename T>
-double distance(const PointSpan<T>& points, std::size_t i, const std::array<double, 3>& from) {
+template <typename Points>
+double distance(const Points& points, std::size_t i, const std::array<double, 3>& from) {
   double largest = 0.0;
   for (std::size_t c = 0; c < 3; ++c)
     largest = std::max(largest, std::abs(static_cast<double>(points(i, c)) - from[c]));
   return largest;
 }
 
-template <typename T>
-std::array<double, 3> point(const PointSpan<T>& points, std::size_t i) {
+template <typename Points>
+std::array<double, 3> point(const Points& points, std::size_t i) {
   return {static_cast<double>(points(i, 0)), static_cast<double>(points(i, 1)), static_cast<double>(points(i, 2))};
 }
 
@@ -33,9 +33,9 @@ double median(std::vector<double>& values) {
   return *middle;
 }
 
-// Whether the extent of a cloud is many times the distance of its closer pairs.
-template <typename T>
-bool may_stand_out(const PointSpan<T>& points, double extent) {
+// Whether the extent of a cloud is more than `times` the distance of its closer pairs.
+template <typename Points>
+bool may_stand_out(const Points& points, double extent, double times) {
   if (points.size < 4) return false;
   // Rows spread by the golden ratio, which meets no period of the input.
   const auto row = [&](std::uint64_t k) {
@@ -48,11 +48,11 @@ bool may_stand_out(const PointSpan<T>& points, double extent) {
     distances[pair] = distance(points, i, point(points, i == j ? (j + 1) % points.size : j));
   }
   std::nth_element(distances.begin(), distances.begin() + kClosePairs, distances.end());
-  return !(extent <= kStandsOut * distances[kClosePairs]);
+  return !(extent <= times * distances[kClosePairs]);
 }
 
-template <typename T>
-std::vector<double> remoteness(const PointSpan<T>& points) {
+template <typename Points>
+std::vector<double> remoteness_of(const Points& points) {
   std::array<double, 3> middle{};
   std::vector<double> values(points.size);
   for (std::size_t c = 0; c < 3; ++c) {
@@ -79,14 +79,27 @@ std::vector<double> remoteness(const PointSpan<T>& points) {
 template <typename T>
 std::vector<double> remoteness(const PointSpan<T>& source, double source_extent, const PointSpan<T>& target,
                                double target_extent) {
-  if (!may_stand_out(source, source_extent) && !may_stand_out(target, target_extent)) return {};
-  std::vector<double> rows = remoteness(source);
-  const std::vector<double> of_target = remoteness(target);
+  if (!may_stand_out(source, source_extent, kStandsOut) && !may_stand_out(target, target_extent, kStandsOut)) return {};
+  std::vector<double> rows = remoteness_of(source);
+  const std::vector<double> of_target = remoteness_of(target);
   for (std::size_t i = 0; i < rows.size(); ++i) rows[i] = std::max(rows[i], of_target[i]);
   if (std::ranges::all_of(rows, [](double value) { return value <= kBulk; })) rows.clear();
   return rows;
 }
 
+template <typename T>
+std::vector<double> remoteness(const ChosenPoints<T>& points, double extent) {
+  // Closer pairs are at a third of the median distance; at a quarter there is room for their scatter.
+  if (!may_stand_out(points, extent, kFarOfCloud / 4.0)) return {};
+  std::vector<double> rows = remoteness_of(points);
+  const auto far =
+      static_cast<std::size_t>(std::ranges::count_if(rows, [](double value) { return !(value <= kFarOfCloud); }));
+  if (far == 0 || 10 * far > rows.size()) rows.clear();
+  return rows;
+}
+
+template std::vector<double> remoteness(const ChosenPoints<float>&, double);
+template std::vector<double> remoteness(const ChosenPoints<double>&, double);
 template std::vector<double> remoteness(const PointSpan<float>&, double, const PointSpan<float>&, double);
 template std::vector<double> remoteness(const PointSpan<double>&, double, const PointSpan<double>&, double);
 

@@ -1,6 +1,9 @@
 // Points far from the bulk of their cloud: a map coordinate left in, the -9999 or 1e308 of "no value".
 #pragma once
 
+#include <cstddef>
+#include <cstdint>
+#include <span>
 #include <vector>
 
 #include <consimd/kernels/correspondences.hpp>
@@ -21,5 +24,24 @@ inline constexpr double kFar = 256.0;
 template <typename T>
 std::vector<double> remoteness(const PointSpan<T>& source, double source_extent, const PointSpan<T>& target,
                                double target_extent);
+
+/// Some rows of points; all of them where `rows` is empty.
+template <typename T>
+struct ChosenPoints {
+  PointSpan<T> points;
+  std::span<const std::uint32_t> rows;
+  std::size_t size;
+
+  [[nodiscard]] T operator()(std::size_t i, std::size_t axis) const { return points(rows.empty() ? i : rows[i], axis); }
+};
+
+/// A point of a cloud beyond this remoteness belongs to no scan: ranges of 2 km beside a median of 2 m are within it. A
+/// grid of cells a hundredth of the median distance wide, as clouds are thinned out with, can still number the rest.
+inline constexpr double kFarOfCloud = 1024.0;
+
+/// The same of one cloud, whose `extent` is the largest distance from its mean. Empty where no point is beyond
+/// kFarOfCloud, or more than a tenth of them are: that is no stray point, but how the cloud is.
+template <typename T>
+std::vector<double> remoteness(const ChosenPoints<T>& points, double extent);
 
 }  // namespace consimd::detail

@@ -1,9 +1,11 @@
 """From two clouds of points to correspondences: the front end of the TCF paper, and its stages one by one.
 
 Clouds are (N, 3) arrays, float32 and float64 ones read as they are. Rows with NaN or infinity are no points, nor are
-those whose three coordinates are `missing`, as depth cameras write it. Lengths are in the unit of the points. A
+those whose three coordinates are `missing`, as depth cameras write it, nor a tenth of them or fewer that are more than 1024
+times as far from the middle as the median point. Lengths are in the unit of the points. A
 viewpoint is where a scan was taken from, in its own frame; normals point towards it; None: they point up. Results have
-the same bits on any number of threads and any instruction set.
+the same bits on any number of threads and any instruction set. threads: at most so many; None: all that the process may
+use. Ctrl-C raises KeyboardInterrupt at once.
 
     m = match_clouds(source, target, voxel=0.3)
     result = consimd.register(m.source_points, m.target_points, noise_bound=m.noise_bound)
@@ -29,6 +31,7 @@ __all__ = [
     "PoseEvidence",
     "Refinement",
     "RefinementStatus",
+    "farthest_subset",
     "fpfh",
     "iss_keypoints",
     "match",
@@ -150,19 +153,36 @@ class CloudVerdict(NamedTuple):
     """The status that the correspondences alone gave."""
 
 
-def voxel_grid(points: ArrayLike, voxel: float, *, missing: float | None = None) -> NDArray[np.float64]:
+def voxel_grid(
+    points: ArrayLike, voxel: float, *, missing: float | None = None, threads: int | None = None
+) -> NDArray[np.float64]:
     """The mean of the points in each occupied cube of side `voxel`, (M, 3), by cube."""
-    return _core.voxel_grid(points, voxel, missing)
+    return _core.voxel_grid(points, voxel, missing, threads)
+
+
+def farthest_subset(
+    points: ArrayLike, count: int, *, seed: int = 1, missing: float | None = None, threads: int | None = None
+) -> NDArray[np.int64]:
+    """Rows of at most `count` points in the order of their choice, (K,): evenly spread, however dense the cloud is.
+
+    The first is drawn by the seed, each of the others is the point whose nearest chosen one is furthest away (Eldar 1997).
+    """
+    return _core.farthest_subset(points, count, seed, missing, threads)
 
 
 def normals(
-    points: ArrayLike, radius: float, *, viewpoint: Viewpoint | None = _ORIGIN, missing: float | None = None
+    points: ArrayLike,
+    radius: float,
+    *,
+    viewpoint: Viewpoint | None = _ORIGIN,
+    missing: float | None = None,
+    threads: int | None = None,
 ) -> NDArray[np.float32]:
     """Unit normals of the points, (N, 3): the direction in which those within `radius` spread least.
 
     NaN of rows that are no points, or have fewer than two neighbours.
     """
-    return _core.normals(points, radius, viewpoint, missing)
+    return _core.normals(points, radius, viewpoint, missing, threads)
 
 
 def iss_keypoints(
@@ -174,6 +194,7 @@ def iss_keypoints(
     third_to_second: float = 0.975,
     fewest_neighbours: int = 5,
     missing: float | None = None,
+    threads: int | None = None,
 ) -> NDArray[np.int64]:
     """Rows of the points, (K,), ascending, that are ISS keypoints (Zhong 2009): most salient within `suppression_radius`.
 
@@ -182,7 +203,7 @@ def iss_keypoints(
     descending order, above 0, at most 1. Thin the cloud out with `voxel_grid` before: all points weigh the same.
     """
     return _core.iss_keypoints(
-        points, radius, suppression_radius, second_to_first, third_to_second, fewest_neighbours, missing
+        points, radius, suppression_radius, second_to_first, third_to_second, fewest_neighbours, missing, threads
     )
 
 
@@ -194,17 +215,24 @@ def fpfh(
     rows: ArrayLike | None = None,
     viewpoint: Viewpoint | None = _ORIGIN,
     missing: float | None = None,
+    threads: int | None = None,
 ) -> tuple[NDArray[np.float32], NDArray[np.int64]]:
     """FPFH descriptors of neighbourhoods of `radius`, (K, 33), and the rows of `points` that have one, (K,), ascending.
 
     rows: only of these; None: of all. normal_radius: that of `normals`, at most `radius`. A row without neighbours has no
     descriptor.
     """
-    return _core.fpfh(points, radius, normal_radius, rows, viewpoint, missing)
+    return _core.fpfh(points, radius, normal_radius, rows, viewpoint, missing, threads)
 
 
 def match(
-    source: ArrayLike, target: ArrayLike, *, best: int = 3, mutual: bool = True, ratio: float = 1.0
+    source: ArrayLike,
+    target: ArrayLike,
+    *,
+    best: int = 3,
+    mutual: bool = True,
+    ratio: float = 1.0,
+    threads: int | None = None,
 ) -> tuple[NDArray[np.int64], NDArray[np.float32]]:
     """Matches of descriptors of any length by Euclidean distance: pairs of rows, (K, 2), and distances, (K,).
 
@@ -214,7 +242,7 @@ def match(
     import numpy as np
 
     rows = [np.ascontiguousarray(descriptors, dtype=np.float32) for descriptors in (source, target)]
-    return _core.match(rows[0], rows[1], best, mutual, ratio)
+    return _core.match(rows[0], rows[1], best, mutual, ratio, threads)
 
 
 def nearest_neighbours(
@@ -253,7 +281,7 @@ def refine(
     are no pair; None: three times the mean resolution of the voxels. The start must bring most of the overlap to within
     about that.
 
-    Never raises for want of a pose: the status says so. ValueError on a bad value. Ctrl-C raises KeyboardInterrupt at once.
+    Never raises for want of a pose: the status says so. ValueError on a bad value.
     """
     return _refinement(
         _core.refine(
@@ -273,6 +301,7 @@ def match_clouds(
     voxel: float | None = None,
     *,
     keypoints: int | None = 5000,
+    farthest: bool = False,
     iss: bool = False,
     iss_radius: float = 3.0,
     iss_suppression_radius: float = 2.0,
@@ -290,11 +319,10 @@ def match_clouds(
     """Voxel grid, normals, random points, FPFH and matches of two clouds.
 
     voxel: side of the voxels that both are thinned out with; None: chosen, for about 12 000 of them. keypoints: points of
-    each cloud that are described, drawn at random by the seed; None: all. iss: draw only from the ISS keypoints, whose
+    each cloud that are described, drawn at random by the seed; None: all. farthest: choose them as far from each other as can
+    be (see `farthest_subset`). iss: draw only from the ISS keypoints, whose
     radii are in voxels (see `iss_keypoints`). normal_radius, descriptor_radius: in voxels.
-    best, mutual, ratio: as in `match`. threads: at most so many; None: all that the process may use.
-
-    ValueError on an empty cloud or a bad value. Ctrl-C raises KeyboardInterrupt at once.
+    best, mutual, ratio: as in `match`. ValueError on an empty cloud or a bad value.
     """
     return _matches(_core.match_clouds(**locals()))
 

@@ -5,6 +5,7 @@
 #include <consimd/features/iss.hpp>
 #include <consimd/features/matching.hpp>
 #include <consimd/features/normals.hpp>
+#include <consimd/features/point_subset.hpp>
 #include <consimd/features/refinement.hpp>
 #include <consimd/features/register_clouds.hpp>
 #include <consimd/features/voxel_grid.hpp>
@@ -20,6 +21,7 @@
 #include <stdexcept>
 #include <string>
 #include <string_view>
+#include <type_traits>
 #include <utility>
 #include <vector>
 
@@ -49,15 +51,40 @@ Array<double, -1, 3> points_array(const std::vector<std::array<double, 3>>& poin
   return to_array<Array<double, -1, 3>>(std::move(values), {points.size(), 3});
 }
 
-Array<double, -1, 3> voxel_grid(ArrayLike points, double voxel, std::optional<double> missing) {
-  const Cloud cloud = cloud_from(points, "points", missing);
-  std::vector<std::array<double, 3>> means;
-  {
-    const nb::gil_scoped_release released;
-    const Cloud voxels = features::voxel_grid(cloud, voxel);
+/// Runs `work` on all threads or fewer, until Ctrl-C; it must own what it uses. What it returns, shared.
+template <typename Work>
+auto result_of(std::optional<int> threads, const Work& work) {
+  using Result = std::invoke_result_t<const Work&>;
+  const std::optional<int> limit = checked_threads(threads);
+  return interruptible_result<std::shared_ptr<Result>>(
+      [limit, work] { return with_threads(limit, [&] { return std::make_shared<Result>(work()); }); });
+}
+
+std::shared_ptr<const Cloud> shared_cloud(ArrayLike points, const char* name, std::optional<double> missing) {
+  return std::make_shared<const Cloud>(cloud_from(points, name, missing));
+}
+
+Array<double, -1, 3> voxel_grid(ArrayLike points, double voxel, std::optional<double> missing,
+                                std::optional<int> threads) {
+  return points_array(*result_of(threads, [cloud = shared_cloud(points, "points", missing), voxel] {
+    const Cloud voxels = features::voxel_grid(*cloud, voxel);
+    std::vector<std::array<double, 3>> means;
     for (std::size_t i = 0; i < voxels.size(); ++i) means.push_back(voxels.point(i));
-  }
-  return points_array(means);
+    return means;
+  }));
+}
+
+Array<std::int64_t, -1> farthest_subset(ArrayLike points, std::size_t count, std::uint64_t seed,
+                                        std::optional<double> missing, std::optional<int> threads) {
+  const auto cloud = shared_cloud(points, "points", missing);
+  auto rows = result_of(threads, [cloud, count, seed] {
+    std::vector<std::int64_t> chosen;
+    for (const std::uint32_t row : features::farthest_subset(*cloud, count, seed)) {
+      chosen.push_back(cloud->input_row(row));
+    }
+    return chosen;
+  });
+  return to_array(std::move(*rows));
 }
 
 double checked_radius(double radius) {
@@ -77,125 +104,126 @@ struct DescribedCloud {
   }
 };
 
-Array<float, -1, 3> normals(ArrayLike points, double radius, const Viewpoint& viewpoint,
-                            std::optional<double> missing) {
-  const Cloud cloud = cloud_from(points, "points", missing);
-  const std::size_t size = cloud.size() + cloud.left_out();
-  std::vector<float> values(3 * size, std::numeric_limits<float>::quiet_NaN());
-  {
-    const nb::gil_scoped_release released;
-    const DescribedCloud described(cloud, radius, radius, viewpoint);
+Array<float, -1, 3> normals(ArrayLike points, double radius, const Viewpoint& viewpoint, std::optional<double> missing,
+                            std::optional<int> threads) {
+  const auto cloud = shared_cloud(points, "points", missing);
+  const std::size_t size = cloud->size() + cloud->left_out();
+  auto values = result_of(threads, [cloud, size, radius, viewpoint] {
+    std::vector<float> found(3 * size, std::numeric_limits<float>::quiet_NaN());
+    const DescribedCloud described(*cloud, radius, radius, viewpoint);
     const CloudView view = described.grid.cloud().view();
     for (std::size_t row = 0; row < view.size(); ++row) {
-      for (std::size_t c = 0; c < 3; ++c) values[3 * described.input_rows[row] + c] = view.normals(c)[row];
+      for (std::size_t c = 0; c < 3; ++c) found[3 * described.input_rows[row] + c] = view.normals(c)[row];
     }
-  }
-  return to_array<Array<float, -1, 3>>(std::move(values), {size, 3});
+    return found;
+  });
+  return to_array<Array<float, -1, 3>>(std::move(*values), {size, 3});
 }
 
 Array<std::int64_t, -1> iss_keypoints(ArrayLike points, double radius, double suppression_radius,
                                       double second_to_first, double third_to_second, std::size_t fewest_neighbours,
-                                      std::optional<double> missing) {
-  const Cloud cloud = cloud_from(points, "points", missing);
+                                      std::optional<double> missing, std::optional<int> threads) {
   const features::IssOptions options{checked_radius(radius), suppression_radius, second_to_first, third_to_second,
                                      fewest_neighbours};
-  std::vector<std::int64_t> rows;
-  {
-    const nb::gil_scoped_release released;
-    const features::CellGrid grid(cloud, std::max(radius, suppression_radius));
+  auto rows = result_of(threads, [cloud = shared_cloud(points, "points", missing), options] {
+    std::vector<std::int64_t> keypoints;
+    const features::CellGrid grid(*cloud, std::max(options.radius, options.suppression_radius));
     for (const std::uint32_t row : features::iss_keypoints(grid, options)) {
-      rows.push_back(cloud.input_row(grid.original(row)));
+      keypoints.push_back(cloud->input_row(grid.original(row)));
     }
-    std::sort(rows.begin(), rows.end());
+    std::sort(keypoints.begin(), keypoints.end());
+    return keypoints;
+  });
+  return to_array(std::move(*rows));
+}
+
+/// Descriptors of some rows of the caller's array, ascending.
+struct DescribedRows {
+  std::vector<float> values;
+  std::vector<std::int64_t> rows;
+};
+
+DescribedRows described_rows(const Cloud& cloud, const std::vector<std::uint8_t>& wanted, double radius,
+                             double normal_radius, const Viewpoint& viewpoint) {
+  const DescribedCloud described(cloud, radius, normal_radius, viewpoint);
+  std::vector<std::uint32_t> grid_rows;
+  for (std::uint32_t row = 0; row < described.grid.size(); ++row) {
+    if (wanted[described.input_rows[row]] != 0) grid_rows.push_back(row);
   }
-  return to_array(std::move(rows));
+  const features::Descriptors found = features::fpfh(described.grid, grid_rows, radius);
+  std::vector<std::size_t> order(found.size());
+  std::iota(order.begin(), order.end(), std::size_t{0});
+  const auto input_row = [&](std::size_t k) { return described.input_rows[found.rows[k]]; };
+  std::sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) { return input_row(a) < input_row(b); });
+  DescribedRows result;
+  for (const std::size_t k : order) {
+    result.rows.push_back(input_row(k));
+    const auto first = found.values.begin() + static_cast<std::ptrdiff_t>(k * found.length);
+    result.values.insert(result.values.end(), first, first + static_cast<std::ptrdiff_t>(found.length));
+  }
+  return result;
 }
 
 nb::tuple fpfh(ArrayLike points, double radius, double normal_radius, std::optional<ArrayLike> rows,
-               const Viewpoint& viewpoint, std::optional<double> missing) {
-  const Cloud cloud = cloud_from(points, "points", missing);
-  std::vector<std::uint32_t> wanted(cloud.size() + cloud.left_out());
-  std::iota(wanted.begin(), wanted.end(), 0u);
+               const Viewpoint& viewpoint, std::optional<double> missing, std::optional<int> threads) {
+  const auto cloud = shared_cloud(points, "points", missing);
+  std::vector<std::uint8_t> wanted(cloud->size() + cloud->left_out(), rows ? 0 : 1);
   if (rows) {
-    const std::vector<std::uint32_t> given = indices_from(*rows, "rows");
-    for (const std::uint32_t row : given) {
+    for (const std::uint32_t row : indices_from(*rows, "rows")) {
       if (row >= wanted.size()) {
         throw std::out_of_range("row " + std::to_string(row) + " of " + std::to_string(wanted.size()) + " points");
       }
-    }
-    wanted = given;
-  }
-  features::Descriptors descriptors;
-  std::vector<std::int64_t> described_rows;
-  {
-    const nb::gil_scoped_release released;
-    const DescribedCloud described(cloud, radius, normal_radius, viewpoint);
-    std::vector<std::uint8_t> chosen(cloud.size() + cloud.left_out(), 0);
-    for (const std::uint32_t row : wanted) chosen[row] = 1;
-    std::vector<std::uint32_t> grid_rows;
-    for (std::uint32_t row = 0; row < described.grid.size(); ++row) {
-      if (chosen[described.input_rows[row]] != 0) grid_rows.push_back(row);
-    }
-    const features::Descriptors found = features::fpfh(described.grid, grid_rows, radius);
-    // In the order of the caller's rows.
-    std::vector<std::size_t> order(found.size());
-    std::iota(order.begin(), order.end(), std::size_t{0});
-    const auto input_row = [&](std::size_t k) { return described.input_rows[found.rows[k]]; };
-    std::sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) { return input_row(a) < input_row(b); });
-    descriptors.length = found.length;
-    for (const std::size_t k : order) {
-      described_rows.push_back(input_row(k));
-      const auto first = found.values.begin() + static_cast<std::ptrdiff_t>(k * found.length);
-      descriptors.values.insert(descriptors.values.end(), first, first + static_cast<std::ptrdiff_t>(found.length));
+      wanted[row] = 1;
     }
   }
-  const std::size_t count = described_rows.size();
-  return nb::make_tuple(to_array<Array<float, -1, 33>>(std::move(descriptors.values), {count, 33}),
-                        to_array(std::move(described_rows)));
+  auto found = result_of(threads, [=] { return described_rows(*cloud, wanted, radius, normal_radius, viewpoint); });
+  const std::size_t count = found->rows.size();
+  return nb::make_tuple(to_array<Array<float, -1, 33>>(std::move(found->values), {count, 33}),
+                        to_array(std::move(found->rows)));
 }
 
 using Descriptors = nb::ndarray<const float, nb::ndim<2>, nb::c_contig, nb::device::cpu>;
 
-nb::tuple match(const Descriptors& source, const Descriptors& target, std::size_t best, bool mutual, double ratio) {
+nb::tuple match(const Descriptors& source, const Descriptors& target, std::size_t best, bool mutual, double ratio,
+                std::optional<int> threads) {
   if (source.shape(1) != target.shape(1)) {
     throw nb::value_error("source and target have descriptors of different lengths");
   }
   const features::MatchOptions options{best, mutual, ratio};
-  std::vector<features::Match> matches;
-  {
-    const nb::gil_scoped_release released;
-    matches = features::match({source.data(), source.size()}, {target.data(), target.size()}, source.shape(1), options);
-  }
+  // Copies: work that is left behind at Ctrl-C may outlive the caller's arrays.
+  const auto copied = [](const Descriptors& from) {
+    return std::make_shared<const std::vector<float>>(from.data(), from.data() + from.size());
+  };
+  const auto found =
+      result_of(threads, [a = copied(source), b = copied(target), length = static_cast<std::size_t>(source.shape(1)),
+                          options] { return features::match(*a, *b, length, options); });
   std::vector<std::int64_t> pairs;
   std::vector<float> distances;
-  distances.reserve(matches.size());
-  for (const features::Match& m : matches) {
+  distances.reserve(found->size());
+  for (const features::Match& m : *found) {
     pairs.insert(pairs.end(), {m.source, m.target});
     distances.push_back(m.distance);
   }
-  return nb::make_tuple(to_array<Array<std::int64_t, -1, 2>>(std::move(pairs), {matches.size(), 2}),
+  return nb::make_tuple(to_array<Array<std::int64_t, -1, 2>>(std::move(pairs), {found->size(), 2}),
                         to_array(std::move(distances)));
 }
 
 nb::tuple nearest_neighbours(ArrayLike points, ArrayLike queries, std::size_t most, double radius,
                              std::optional<double> missing, std::optional<int> threads) {
-  const auto cloud = std::make_shared<const Cloud>(cloud_from(points, "points", missing));
+  const auto cloud = shared_cloud(points, "points", missing);
   Points asked(queries, "queries");
   asked.widen();
   const PointSpan<double> span = asked.span<double>();
   std::vector<std::array<double, 3>> places(span.size);
   for (std::size_t k = 0; k < span.size; ++k) places[k] = {span(k, 0), span(k, 1), span(k, 2)};
   checked_radius(radius);
-  const std::optional<int> limit = checked_threads(threads);
-  const auto found = interruptible_result<std::shared_ptr<features::NearestLists>>([=] {
-    return with_threads(limit, [&] {
-      const features::CellGrid grid(*cloud, radius);
-      features::NearestLists lists = features::nearest_neighbours(grid, places, most, radius);
-      for (std::uint32_t& row : lists.rows) {
-        if (row != features::NearestLists::kNone) row = cloud->input_row(grid.original(row));
-      }
-      return std::make_shared<features::NearestLists>(std::move(lists));
-    });
+  const auto found = result_of(threads, [=] {
+    const features::CellGrid grid(*cloud, radius);
+    features::NearestLists lists = features::nearest_neighbours(grid, places, most, radius);
+    for (std::uint32_t& row : lists.rows) {
+      if (row != features::NearestLists::kNone) row = cloud->input_row(grid.original(row));
+    }
+    return lists;
   });
   std::vector<std::int64_t> rows;
   rows.reserve(found->rows.size());
@@ -226,26 +254,22 @@ nb::dict refine(ArrayLike source, ArrayLike target, ArrayLike pose, const std::s
                 std::optional<double> voxel, double normal_radius, double cell_radius,
                 std::optional<double> max_distance, std::uint32_t max_iterations, std::optional<double> missing,
                 std::optional<int> threads) {
-  const auto source_cloud = std::make_shared<const Cloud>(cloud_from(source, "source", missing));
-  const auto target_cloud = std::make_shared<const Cloud>(cloud_from(target, "target", missing));
+  const auto source_cloud = shared_cloud(source, "source", missing);
+  const auto target_cloud = shared_cloud(target, "target", missing);
   const RigidTransform start = transform_from(pose, "pose");
   const features::RefinementOptions options{features::parse_refinement_method(method), max_distance, max_iterations};
-  const std::optional<int> limit = checked_threads(threads);
-  const auto result = interruptible_result<std::shared_ptr<features::Refinement>>([=] {
-    return with_threads(limit, [&] {
-      if (source_cloud->empty() || target_cloud->empty()) {
-        return std::make_shared<features::Refinement>(features::refine(*source_cloud, *target_cloud, start, options));
-      }
-      const double side =
-          voxel ? *voxel : std::max(features::choose_voxel(*source_cloud), features::choose_voxel(*target_cloud));
-      const auto prepared = [&](const Cloud& cloud) {
-        features::CellGrid grid(features::voxel_grid(cloud, side), std::max(normal_radius, cell_radius) * side);
-        features::estimate_normals(grid, {normal_radius * side, std::nullopt});
-        return grid;
-      };
-      return std::make_shared<features::Refinement>(
-          features::refine(prepared(*source_cloud).cloud(), prepared(*target_cloud).cloud(), start, options));
-    });
+  const auto result = result_of(threads, [=] {
+    if (source_cloud->empty() || target_cloud->empty()) {
+      return features::refine(*source_cloud, *target_cloud, start, options);
+    }
+    const double side =
+        voxel ? *voxel : std::max(features::choose_voxel(*source_cloud), features::choose_voxel(*target_cloud));
+    const auto prepared = [&](const Cloud& cloud) {
+      features::CellGrid grid(features::voxel_grid(cloud, side), std::max(normal_radius, cell_radius) * side);
+      features::estimate_normals(grid, {normal_radius * side, std::nullopt});
+      return grid;
+    };
+    return features::refine(prepared(*source_cloud).cloud(), prepared(*target_cloud).cloud(), start, options);
   });
   return refinement_fields(*result);
 }
@@ -283,13 +307,8 @@ nb::dict match_fields(const features::CloudMatches& result) {
 }
 
 nb::dict match_clouds(const MatchingArguments& arguments, std::optional<int> threads) {
-  const std::optional<int> limit = checked_threads(threads);
-  const auto result = interruptible_result<std::shared_ptr<features::CloudMatches>>([=] {
-    return with_threads(limit, [&] {
-      return std::make_shared<features::CloudMatches>(
-          features::match_clouds(*arguments.source, *arguments.target, arguments.options));
-    });
-  });
+  const auto result = result_of(
+      threads, [=] { return features::match_clouds(*arguments.source, *arguments.target, arguments.options); });
   return match_fields(*result);
 }
 
@@ -340,16 +359,17 @@ void bind_on_clouds(nb::module_& module, const char* name, nb::dict (*call)(cons
   module.def(
       name,
       [call](ArrayLike source, ArrayLike target, std::optional<double> voxel, double normal_radius,
-             double descriptor_radius, std::optional<std::size_t> keypoints, bool iss, double iss_radius,
+             double descriptor_radius, std::optional<std::size_t> keypoints, bool farthest, bool iss, double iss_radius,
              double iss_suppression_radius, std::size_t best, bool mutual, double ratio, std::uint64_t seed,
              const Viewpoint& source_viewpoint, const Viewpoint& target_viewpoint, std::optional<double> missing,
              More... rest) {
-        return call({.source = std::make_shared<const Cloud>(cloud_from(source, "source", missing)),
-                     .target = std::make_shared<const Cloud>(cloud_from(target, "target", missing)),
+        return call({.source = shared_cloud(source, "source", missing),
+                     .target = shared_cloud(target, "target", missing),
                      .options = {.voxel = voxel,
                                  .normal_radius = normal_radius,
                                  .descriptor_radius = descriptor_radius,
                                  .keypoints = keypoints,
+                                 .farthest = farthest,
                                  .iss = iss,
                                  .iss_radius = iss_radius,
                                  .iss_suppression_radius = iss_suppression_radius,
@@ -360,24 +380,28 @@ void bind_on_clouds(nb::module_& module, const char* name, nb::dict (*call)(cons
                     rest...);
       },
       nb::arg("source"), nb::arg("target"), nb::arg("voxel").none(), nb::arg("normal_radius"),
-      nb::arg("descriptor_radius"), nb::arg("keypoints").none(), nb::arg("iss"), nb::arg("iss_radius"),
-      nb::arg("iss_suppression_radius"), nb::arg("best"), nb::arg("mutual"), nb::arg("ratio"), nb::arg("seed"),
-      nb::arg("source_viewpoint").none(), nb::arg("target_viewpoint").none(), nb::arg("missing").none(), more...);
+      nb::arg("descriptor_radius"), nb::arg("keypoints").none(), nb::arg("farthest"), nb::arg("iss"),
+      nb::arg("iss_radius"), nb::arg("iss_suppression_radius"), nb::arg("best"), nb::arg("mutual"), nb::arg("ratio"),
+      nb::arg("seed"), nb::arg("source_viewpoint").none(), nb::arg("target_viewpoint").none(),
+      nb::arg("missing").none(), more...);
 }
 
 }  // namespace
 
 void bind_features(nb::module_& module) {
-  module.def("voxel_grid", &voxel_grid, nb::arg("points"), nb::arg("voxel"), nb::arg("missing").none());
+  module.def("voxel_grid", &voxel_grid, nb::arg("points"), nb::arg("voxel"), nb::arg("missing").none(),
+             nb::arg("threads").none());
+  module.def("farthest_subset", &farthest_subset, nb::arg("points"), nb::arg("count"), nb::arg("seed"),
+             nb::arg("missing").none(), nb::arg("threads").none());
   module.def("normals", &normals, nb::arg("points"), nb::arg("radius"), nb::arg("viewpoint").none(),
-             nb::arg("missing").none());
+             nb::arg("missing").none(), nb::arg("threads").none());
   module.def("iss_keypoints", &iss_keypoints, nb::arg("points"), nb::arg("radius"), nb::arg("suppression_radius"),
              nb::arg("second_to_first"), nb::arg("third_to_second"), nb::arg("fewest_neighbours"),
-             nb::arg("missing").none());
+             nb::arg("missing").none(), nb::arg("threads").none());
   module.def("fpfh", &fpfh, nb::arg("points"), nb::arg("radius"), nb::arg("normal_radius"), nb::arg("rows").none(),
-             nb::arg("viewpoint").none(), nb::arg("missing").none());
+             nb::arg("viewpoint").none(), nb::arg("missing").none(), nb::arg("threads").none());
   module.def("match", &match, nb::arg("source"), nb::arg("target"), nb::arg("best"), nb::arg("mutual"),
-             nb::arg("ratio"));
+             nb::arg("ratio"), nb::arg("threads").none());
   module.def("nearest_neighbours", &nearest_neighbours, nb::arg("points"), nb::arg("queries"), nb::arg("most"),
              nb::arg("radius"), nb::arg("missing").none(), nb::arg("threads").none());
   module.def("refine", &refine, nb::arg("source"), nb::arg("target"), nb::arg("pose"), nb::arg("method"),

@@ -154,6 +154,23 @@ def test_normals_keep_the_rows_of_the_input():
     np.testing.assert_allclose(np.delete(normals, 7, axis=0), np.tile([0, 0, -1], (24, 1)), atol=1e-6)
 
 
+def test_farthest_subset_spreads():
+    points = np.r_[np.random.default_rng(1).random((5000, 3)) * 0.01, [[0, 0, 9], [np.nan, 0, 0], [0, 9, 0], [9, 0, 0]]]
+    rows = features.farthest_subset(points, 4)
+    assert set(rows[1:]) == {5000, 5002, 5003} and rows[0] < 5000
+    assert features.farthest_subset(points, 4, seed=2)[0] != rows[0]
+    assert len(features.farthest_subset(points, 10**6)) == 5003
+    with pytest.raises(ValueError, match="threads"):
+        features.farthest_subset(points, 4, threads=0)
+
+
+def test_stray_points_change_nothing(scans):
+    expected = consimd.register_clouds(*scans)
+    found = consimd.register_clouds(np.r_[[[1e7, 0, 0]], scans[0]], scans[1])
+    np.testing.assert_array_equal(found.registration.pose, expected.registration.pose)
+    assert found.matches.source.left_out == 1
+
+
 def test_bad_input_is_named(scans):
     with pytest.raises(ValueError, match="the source cloud is empty"):
         consimd.register_clouds(np.zeros((0, 3)), scans[1])

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 import consimd
+from consimd import features
 
 # More samples than are drawn in an hour.
 LONG = """
@@ -80,6 +81,34 @@ def test_a_handler_that_does_not_raise_ends_nothing(problem):
         signal.signal(signal.SIGALRM, before)
     assert len(trials) == 1200
     assert calls
+
+
+POINTS = np.random.default_rng(1).random((40_000, 3))
+DESCRIPTORS = np.random.default_rng(1).random((30_000, 64))
+
+
+# Calls of half a second and more, and one short one.
+@pytest.mark.parametrize(
+    "call",
+    [
+        lambda: [features.voxel_grid(POINTS, 0.01) for _ in range(1000)],
+        lambda: features.normals(POINTS, 0.5, threads=1),
+        lambda: features.iss_keypoints(POINTS, 0.5, 0.5, threads=1),
+        lambda: features.fpfh(POINTS, 0.3, normal_radius=0.1, threads=1),
+        lambda: features.match(DESCRIPTORS, DESCRIPTORS, threads=1),
+        lambda: features.nearest_neighbours(POINTS, POINTS, 64, radius=0.5, threads=1),
+    ],
+    ids=["voxel_grid", "normals", "iss_keypoints", "fpfh", "match", "nearest_neighbours"],
+)
+def test_ctrl_c_ends_calls_of_features_at_once(call):
+    before = signal.signal(signal.SIGALRM, signal.default_int_handler)
+    try:
+        signal.setitimer(signal.ITIMER_REAL, 0.1)
+        with pytest.raises(KeyboardInterrupt):
+            call()
+    finally:
+        signal.setitimer(signal.ITIMER_REAL, 0)
+        signal.signal(signal.SIGALRM, before)
 
 
 def test_other_threads_run_meanwhile():

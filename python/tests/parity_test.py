@@ -104,7 +104,7 @@ def test_defaults_of_features_are_those_of_the_library():
     """Of the options structs, and of the command where it has the option."""
     parameters = inspect.signature(consimd.features.match_clouds).parameters
     matching, match = body_of("struct", "CloudMatchingOptions", "features"), body_of("struct", "MatchOptions", "features")
-    for body, names in ((matching, ["normal_radius", "descriptor_radius", "keypoints", "iss", "iss_radius",
+    for body, names in ((matching, ["normal_radius", "descriptor_radius", "keypoints", "farthest", "iss", "iss_radius",
                                       "iss_suppression_radius", "seed"]),
                         (match, ["best", "mutual", "ratio"])):  # fmt: skip
         for name in names:

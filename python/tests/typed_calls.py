@@ -47,6 +47,7 @@ consimd.view("view.html", registration, points, points, matches, names=("a", "b"
 assert_type(matches, features.CloudMatches)
 assert_type(matches.source.voxels, int)
 assert_type(features.normals(features.voxel_grid(points, 1), 2.0), NDArray[np.float32])
+assert_type(features.farthest_subset(points, 10, seed=2, threads=1), NDArray[np.int64])
 descriptors, described = features.fpfh(points, 2.0, normal_radius=1.0, rows=[1, 2], viewpoint=None)
 assert_type(features.match(descriptors, descriptors, ratio=0.9)[0], NDArray[np.int64])
 

@@ -1,6 +1,5 @@
 #include <consimd/features/cell_grid.hpp>
 #include <consimd/features/normals.hpp>
-#include <consimd/features/point_subset.hpp>
 #include <consimd/features/voxel_grid.hpp>
 
 #include <gtest/gtest.h>
@@ -198,21 +197,6 @@ TEST(Normals, OfTooFewPointsAreMissing) {
   EXPECT_THROW(features::estimate_normals(grid, {0.0, std::nullopt}), std::invalid_argument);
   EXPECT_THROW(features::estimate_normals(grid, {1.0, std::array<double, 3>{0, std::nan(""), 0}}),
                std::invalid_argument);
-}
-
-TEST(RandomSubset, IsAscendingAndFair) {
-  std::vector<int> chosen(50, 0);
-  for (std::uint64_t seed = 1; seed <= 2000; ++seed) {
-    const std::vector<std::uint32_t> rows = features::random_subset(50, 10, seed);
-    ASSERT_EQ(rows.size(), 10u);
-    EXPECT_TRUE(std::adjacent_find(rows.begin(), rows.end(), std::greater_equal<>()) == rows.end());
-    for (const std::uint32_t row : rows) ++chosen.at(row);
-  }
-  // 400 expected, standard deviation 18
-  for (const int count : chosen) EXPECT_NEAR(count, 400, 90);
-  EXPECT_EQ(features::random_subset(5, 10, 1).size(), 5u);
-  EXPECT_TRUE(features::random_subset(0, 10, 1).empty());
-  EXPECT_EQ(features::random_subset(1000, 10, 3), features::random_subset(1000, 10, 3));
 }
 
 }  // namespace

@@ -137,6 +137,29 @@ TEST(RegisterClouds, ChoosesAVoxelForCloudsOfAnySize) {
   EXPECT_NEAR(voxels(volume) / 750.0, 1.0, 0.1);
 }
 
+TEST(RegisterClouds, ChoosesTheVoxelByTheBulk) {
+  for (const std::size_t size : {200u, 20000u}) {
+    const Points points = room(size, 1);
+    const double expected = features::choose_voxel(cloud_of(points));
+    for (const std::size_t strays : {1u, 3u, 15u}) {
+      for (const double far : {3e4, 1e7, 1e15}) {
+        Points with = points;
+        for (std::size_t k = 0; k < strays; ++k) with.push_back({far, far + 0.1 * static_cast<double>(k), -far});
+        EXPECT_EQ(features::choose_voxel(cloud_of(with)), expected) << size << " points, " << strays << " at " << far;
+      }
+    }
+  }
+  // The whole registration is that of the clouds without it.
+  const Points source = room(30000, 1), target = moved(some_pose(), room(30000, 2));
+  Points with = source;
+  with.insert(with.begin(), {1e7, 0.0, 0.0});
+  const CloudRegistration found = register_clouds(cloud_of(with), cloud_of(target));
+  EXPECT_EQ(found.registration.T_target_source.matrix(),
+            register_clouds(cloud_of(source), cloud_of(target)).registration.T_target_source.matrix());
+  EXPECT_EQ(found.matches.source.left_out, 1u);
+  EXPECT_EQ(found.registration.status, Status::success);
+}
+
 TEST(RegisterClouds, DrawsFromIssKeypoints) {
   features::CloudMatchingOptions options{.voxel = 0.15, .keypoints = std::nullopt, .iss = true};
   const Cloud source = cloud_of(room(20000, 1));

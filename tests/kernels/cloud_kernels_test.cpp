@@ -425,31 +425,5 @@ TEST(Nearest, NameWhatIsWrong) {
   EXPECT_THROW(nearest_within(cloud, query, all, 1.0, rows, std::span(squared).first(1)), std::invalid_argument);
 }
 
-TEST(Cloud, LeavesOutRowsWithoutAPlace) {
-  const double nan = std::numeric_limits<double>::quiet_NaN();
-  const std::array<double, 15> rows{
-      1, 2, 3, nan, 0, 0, 0, 0, 0, 5, 2, 0, 0, 0, std::numeric_limits<double>::infinity()};
-  const Cloud cloud(PointSpan<double>::interleaved(rows.data(), 5), 0.0);
-  EXPECT_EQ(cloud.size(), 2u);
-  EXPECT_EQ(cloud.left_out(), 3u);
-  EXPECT_EQ(cloud.input_row(1), 3u);
-  EXPECT_EQ(cloud.point(1), (std::array<double, 3>{5, 2, 0}));
-  EXPECT_EQ(Cloud(PointSpan<double>::interleaved(rows.data(), 5)).size(), 3u);
-  EXPECT_TRUE(Cloud(PointSpan<double>::interleaved(rows.data() + 3, 1)).empty());
-}
-
-TEST(Cloud, KeepsMapCoordinates) {
-  std::mt19937 random(2);
-  std::vector<double> rows(3000);
-  for (double& x : rows) x = 5e6 + 50.0 * static_cast<double>(uniform(random));
-  const Cloud cloud(PointSpan<double>::planar(rows.data(), 1000));
-  for (std::size_t i = 0; i < 1000; ++i) {
-    for (std::size_t c = 0; c < 3; ++c) EXPECT_NEAR(cloud.point(i)[c], rows[1000 * c + i], 1e-5);
-  }
-  const Cloud chosen = cloud.subset(std::vector<std::uint32_t>{7, 7, 3});
-  EXPECT_EQ(chosen.point(2), cloud.point(3));
-  EXPECT_THROW(cloud.subset(std::vector<std::uint32_t>{1000}), std::out_of_range);
-}
-
 }  // namespace
 }  // namespace consimd::test

@@ -96,8 +96,17 @@ struct Side {
   Descriptors descriptors = {};
 };
 
-std::vector<std::uint32_t> drawn(const std::vector<std::uint32_t>& rows, const CloudMatchingOptions& options) {
-  std::vector<std::uint32_t> chosen = random_subset(rows.size(), options.keypoints.value_or(rows.size()), options.seed);
+/// Some of the side's keypoints, ascending.
+std::vector<std::uint32_t> drawn(const Side& side, const CloudMatchingOptions& options) {
+  const std::vector<std::uint32_t>& rows = side.keypoints;
+  const std::size_t count = options.keypoints.value_or(rows.size());
+  std::vector<std::uint32_t> chosen;
+  if (options.farthest && count < rows.size()) {
+    chosen = farthest_subset(side.grid->cloud().subset(rows), count, options.seed);
+    std::sort(chosen.begin(), chosen.end());
+  } else {
+    chosen = random_subset(rows.size(), count, options.seed);
+  }
   for (std::uint32_t& row : chosen) row = rows[row];
   return chosen;
 }
@@ -225,8 +234,15 @@ CloudMatches match_clouds(const Cloud& source, const Cloud& target, const CloudM
   } else {
     for (Side* side : {&of_source, &of_target}) side->keypoints = detail::all_rows(side->grid->size());
   }
+  if (options.farthest) {
+    stages.run("farthest", [&](Side& side) {
+      const std::size_t before = side.keypoints.size();
+      side.keypoints = drawn(side, options);
+      return std::pair(before, side.keypoints.size());
+    });
+  }
   stages.run("fpfh", [&](Side& side) {
-    side.descriptors = fpfh(*side.grid, drawn(side.keypoints, options), radius);
+    side.descriptors = fpfh(*side.grid, options.farthest ? side.keypoints : drawn(side, options), radius);
     side.summary.descriptors = side.descriptors.size();
     return std::pair(side.grid->size(), side.descriptors.size());
   });

@@ -6,7 +6,10 @@
 #include <new>
 #include <stdexcept>
 #include <string>
+#include <utility>
+#include <vector>
 
+#include "../remoteness.hpp"
 #include "../working_scale.hpp"
 
 namespace consimd {
@@ -42,26 +45,15 @@ void Cloud::resize(std::size_t size) {
   points_ = allocate();
 }
 
-template <typename T>
-void Cloud::assign(const PointSpan<T>& points, std::optional<double> missing) {
-  if (points.size >= std::numeric_limits<std::uint32_t>::max()) {
-    throw std::invalid_argument("a cloud of " + std::to_string(points.size) + " points, expected fewer than 2^32 - 1");
-  }
-  std::size_t count = 0;
-  for (std::size_t i = 0; i < points.size; ++i) count += has_place(points, i, missing) ? 1u : 0u;
-  left_out_ = points.size - count;
-  if (left_out_ > 0) input_rows_.reserve(count);
-
+template <typename Points>
+double Cloud::centre(const Points& points) {
   // Terms are scaled before they are summed: a plain sum could overflow where the mean does not.
-  const auto n = static_cast<double>(count);
+  const auto n = static_cast<double>(points.size);
   std::array<double, 3> low, high;
   low.fill(std::numeric_limits<double>::infinity());
   high.fill(-std::numeric_limits<double>::infinity());
+  origin_.fill(0.0);
   for (std::size_t i = 0; i < points.size; ++i) {
-    if (left_out_ > 0) {
-      if (!has_place(points, i, missing)) continue;
-      input_rows_.push_back(static_cast<std::uint32_t>(i));
-    }
     for (std::size_t c = 0; c < 3; ++c) {
       const auto x = static_cast<double>(points(i, c));
       origin_[c] += x / n;
@@ -70,8 +62,37 @@ void Cloud::assign(const PointSpan<T>& points, std::optional<double> missing) {
     }
   }
   double largest = 0.0;
-  if (count > 0) {
+  if (points.size > 0) {
     for (std::size_t c = 0; c < 3; ++c) largest = std::max({largest, high[c] - origin_[c], origin_[c] - low[c]});
+  }
+  return largest;
+}
+
+template <typename T>
+void Cloud::assign(const PointSpan<T>& points, std::optional<double> missing) {
+  if (points.size >= std::numeric_limits<std::uint32_t>::max()) {
+    throw std::invalid_argument("a cloud of " + std::to_string(points.size) + " points, expected fewer than 2^32 - 1");
+  }
+  std::size_t count = 0;
+  for (std::size_t i = 0; i < points.size; ++i) count += has_place(points, i, missing) ? 1u : 0u;
+  left_out_ = points.size - count;
+  if (left_out_ > 0) {
+    input_rows_.reserve(count);
+    for (std::size_t i = 0; i < points.size; ++i) {
+      if (has_place(points, i, missing)) input_rows_.push_back(static_cast<std::uint32_t>(i));
+    }
+  }
+  const auto chosen = [&] { return detail::ChosenPoints<T>{points, input_rows_, count}; };
+  double largest = centre(chosen());
+  if (const std::vector<double> remote = detail::remoteness(chosen(), largest); !remote.empty()) {
+    std::vector<std::uint32_t> near;
+    for (std::size_t i = 0; i < count; ++i) {
+      if (remote[i] <= detail::kFarOfCloud) near.push_back(input_row(i));
+    }
+    count = near.size();
+    left_out_ = points.size - count;
+    input_rows_ = std::move(near);
+    largest = centre(chosen());
   }
   scale_ = detail::working_scale(largest);
   resize(count);

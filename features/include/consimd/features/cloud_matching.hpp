@@ -29,6 +29,8 @@ struct CloudMatchingOptions {
   double descriptor_radius = 5.0;
   /// Points of each cloud, drawn at random, that are described and matched; all where not given.
   std::optional<std::size_t> keypoints = 5000;
+  /// Choose them as far from each other as can be instead (see point_subset.hpp).
+  bool farthest = false;
   /// Draw only from the ISS keypoints (see iss.hpp).
   bool iss = false;
   /// Radii of these: of the neighbourhood and of the suppression, in voxels; > 0, at most descriptor_radius.

@@ -54,8 +54,9 @@ class Cloud {
   Cloud() = default;
 
   /// Copies the points, but those without a place: of a coordinate that is not finite, or all three equal to `missing`,
-  /// which depth cameras write where they saw nothing (0, say). Throws std::invalid_argument where there are 2^32 - 1
-  /// points or more.
+  /// which depth cameras write where they saw nothing (0, say). Stray points are left out as well: up to a tenth of
+  /// them that are more than 1024 times as far from the middle, coordinate by coordinate the median, as the median
+  /// point. Throws std::invalid_argument where there are 2^32 - 1 points or more.
   explicit Cloud(PointSpan<double> points, std::optional<double> missing = std::nullopt);
   explicit Cloud(PointSpan<float> points, std::optional<double> missing = std::nullopt);
 
@@ -82,7 +83,7 @@ class Cloud {
 
   [[nodiscard]] const std::array<double, 3>& origin() const noexcept { return origin_; }
   [[nodiscard]] double scale() const noexcept { return scale_; }
-  /// Rows given to the constructor that have no place.
+  /// Rows given to the constructor that have no place, or that are stray.
   [[nodiscard]] std::size_t left_out() const noexcept { return left_out_; }
   /// Which row given to the constructor became point i; i itself in a cloud made otherwise. i < size().
   [[nodiscard]] std::uint32_t input_row(std::size_t i) const noexcept {
@@ -95,6 +96,9 @@ class Cloud {
   };
   using Arrays = std::unique_ptr<float[], AlignedDelete>;
 
+  /// Makes the mean of the points the origin; returns the largest distance from it along an axis.
+  template <typename Points>
+  double centre(const Points& points);
   template <typename T>
   void assign(const PointSpan<T>& points, std::optional<double> missing);
   void resize(std::size_t size);
