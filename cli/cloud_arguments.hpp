@@ -11,6 +11,9 @@
 
 namespace consimd::cli {
 
+/// The forms of clouds that are read, for help.
+inline constexpr const char* kCloudForms = "PLY, PCD, NPY, NPZ, LAS, KITTI's .bin, or text with x y z a line";
+
 struct CloudArguments {
   std::optional<double> voxel;
   std::string keypoints = "random:5000";

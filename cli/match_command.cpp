@@ -39,9 +39,7 @@ int run_match(const Options& options) {
 void add_match_command(CLI::App& app, Action& run) {
   CLI::App* command = app.add_subcommand("match", "Find correspondences between two clouds, for any solver");
   auto options = std::make_shared<Options>();
-  command
-      ->add_option("SOURCE", options->source,
-                   "Cloud: PLY, PCD, NPY, KITTI's .bin, or text with x y z a line. '-' is the standard input")
+  command->add_option("SOURCE", options->source, fmt::format("Cloud: {}. '-' is the standard input", kCloudForms))
       ->required();
   command->add_option("TARGET", options->target, "Cloud to match it with")->required();
   add_cloud_options(*command, options->clouds);

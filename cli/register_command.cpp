@@ -8,10 +8,12 @@
 #include <stdexcept>
 #include <string>
 #include <utility>
+#include <vector>
 
 #include <fmt/format.h>
 
 #include <consimd/features/cloud_files.hpp>
+#include <consimd/features/correspondence_files.hpp>
 #include <consimd/features/register_clouds.hpp>
 #include <consimd/kernels/alignment_residuals.hpp>
 #include <consimd/solvers/advice.hpp>
@@ -36,6 +38,8 @@ namespace {
 struct Options {
   std::string file;
   std::string target;  ///< of two clouds; empty: `file` holds correspondences
+  std::string pairs;   ///< of two clouds whose points are matched already: "rows", or a file
+  std::vector<std::size_t> columns;
   CloudArguments clouds;
   std::optional<double> noise_bound;
   std::string solver = solvers().front().name;
@@ -53,6 +57,9 @@ struct Options {
   std::string save_inliers;
   std::string view;
   std::string picture;
+
+  /// Whether there are two clouds to be matched.
+  [[nodiscard]] bool matches_clouds() const { return !target.empty() && pairs.empty(); }
 };
 
 void check(const Options& options) {
@@ -64,15 +71,26 @@ void check(const Options& options) {
     throw std::invalid_argument(
         fmt::format("--time-limit: expected a number of seconds > 0, got {}", *options.time_limit));
   }
-  if (options.target.empty() && options.clouds.given()) {
+  if (options.target.empty() && !options.pairs.empty()) {
+    throw std::invalid_argument("--pairs: needs two clouds, SOURCE and TARGET");
+  }
+  if (!options.target.empty() && !options.columns.empty()) {
+    throw std::invalid_argument("--columns: is of a file of correspondences, FILE");
+  }
+  if (!options.columns.empty() &&
+      (options.columns.size() != 6 ||
+       std::find(options.columns.begin(), options.columns.end(), 0u) != options.columns.end())) {
+    throw std::invalid_argument("--columns: expected six columns counted from 1, as in 2,3,4,5,6,7");
+  }
+  if (!options.matches_clouds() && options.clouds.given()) {
     throw std::invalid_argument(
         "--voxel, --keypoints, --matches, --missing, --save-correspondences, --no-verification, --refine and "
-        "--save-aligned are of two clouds, SOURCE and TARGET");
+        "--save-aligned are of two clouds, SOURCE and TARGET, that are matched here");
   }
-  if (!options.target.empty() && options.estimate_scale) {
+  if (options.matches_clouds() && options.estimate_scale) {
     throw std::invalid_argument("--estimate-scale: the descriptors of clouds need one unit in both");
   }
-  if (!options.target.empty() && options.assume_inliers) {
+  if (options.matches_clouds() && options.assume_inliers) {
     throw std::invalid_argument("--assume-inliers: matches of clouds are never all right");
   }
   if (!options.clouds.save_correspondences.empty()) studies::require_replaceable(options.clouds.save_correspondences);
@@ -123,12 +141,29 @@ void save(const Options& options, const RegisterReport& report, const CloudPair&
   if (!options.save_inliers.empty() && run.has_pose()) studies::replace_file(options.save_inliers, inlier_text(run));
 }
 
-Correspondences read_rows(const std::string& file) {
+/// Of two clouds the points that --pairs says are matched.
+features::MatchedPoints read_pairs(const Options& options) {
+  if (options.file == "-" || options.target == "-" || options.pairs == "-") {
+    throw std::invalid_argument("--pairs: reads files, not the standard input");
+  }
+  if (options.pairs == "rows") return features::read_matched_rows(options.file, options.target);
+  return features::read_indexed_matches(options.file, options.target, options.pairs);
+}
+
+Correspondences read_rows(const Options& options) {
+  const std::string& file = options.file;
+  const std::string ending = std::filesystem::path(file).extension().string();
+  if (!options.pairs.empty() || ending == ".npz") {
+    const features::MatchedPoints matches =
+        options.pairs.empty() ? features::read_npz_matches(file) : read_pairs(options);
+    if (matches.source.size() >= 3) return matches.correspondences();
+    throw std::runtime_error(
+        fmt::format("{}: expected at least 3 correspondences, got {}", file, matches.source.size()));
+  }
   try {
-    return synth::read_correspondences(file);
+    return synth::read_correspondences(file, options.columns);
   } catch (const std::runtime_error&) {
-    const std::string ending = std::filesystem::path(file).extension().string();
-    constexpr std::array kCloudEndings{".ply", ".pcd", ".npy", ".bin"};
+    constexpr std::array kCloudEndings{".ply", ".pcd", ".npy", ".bin", ".las"};
     if (std::find(kCloudEndings.begin(), kCloudEndings.end(), ending) == kCloudEndings.end() ||
         !std::filesystem::exists(file)) {
       throw;
@@ -236,9 +271,9 @@ int run_register(const Options& options) {
   }
   CloudPair clouds;
   const Correspondences correspondences =
-      options.target.empty() ? read_rows(options.file) : register_pairs(options, choice, clouds, report);
+      options.matches_clouds() ? register_pairs(options, choice, clouds, report) : read_rows(options);
   report.correspondences = correspondences.size();
-  if (options.target.empty()) {
+  if (!options.matches_clouds()) {
     with_threads(options.threads, [&] { register_rows(options, choice, correspondences, report); });
   }
   if (truth) {
@@ -274,13 +309,23 @@ void add_register_command(CLI::App& app, Action& run) {
   auto options = std::make_shared<Options>();
   command
       ->add_option("FILE", options->file,
-                   "Text, a correspondence a line: source x y z, target x y z, separated by blanks or commas; '#' "
-                   "starts a comment. '-' is the standard input. With TARGET: a cloud")
+                   "Text, a correspondence a line: source x y z, target x y z, separated by blanks, commas or "
+                   "semicolons; '#' starts a comment. Or .npz with src_corr_points and ref_corr_points. '-' is the "
+                   "standard input. With TARGET: a cloud")
       ->required();
-  command->add_option(
-      "TARGET", options->target,
-      "Cloud that the first one is matched with and registered to: PLY, PCD, NPY, KITTI's .bin, or text with x y z a "
-      "line");
+  command->add_option("TARGET", options->target,
+                      fmt::format("Cloud that the first one is matched with and registered to: {}", kCloudForms));
+  command->add_option("--pairs", options->pairs,
+                      "Of clouds whose points are matched already: rows, each with the same row of the other, or a "
+                      "file with a line for "
+                      "each match: a row of FILE and one of TARGET, counted from 0");
+  command
+      ->add_option(
+          "--columns", options->columns,
+          "Of text with other columns: which are source x y z and target x y z, counted from 1, as in "
+          "2,3,4,5,6,7. Not needed where a first line names them (x1, source_x, sx), or rows are numbered before "
+          "them")
+      ->delimiter(',');
   add_cloud_options(*command, options->clouds);
   command->add_option("--save-correspondences", options->clouds.save_correspondences,
                       "Of clouds: write their matches to this file");
@@ -318,9 +363,11 @@ void add_register_command(CLI::App& app, Action& run) {
   command->add_option("--time-limit", options->time_limit,
                       "Seconds after which the search of a run ends: the best pose until then is judged and given, as "
                       "budget_exhausted. Results then depend on the machine. By default no search is ended");
-  command->add_option("--truth", options->truth,
-                      "File with the true pose (4 x 4 or 3 x 4, source to target): reports errors against it. With "
-                      "--estimate-scale its rotation may be multiplied by the scale");
+  command->add_option(
+      "--truth", options->truth,
+      "File with the true pose, source to target: 4 x 4 or 3 x 4, in one line or not, below a line of 3DMatch's "
+      "gt.log or not, or as TUM's tx ty tz qx qy qz qw. Reports errors against it. With "
+      "--estimate-scale its rotation may be multiplied by the scale");
   command->add_option("--json", options->json,
                       "Write the result as JSON to this file, or to the standard output ('-')");
   command->add_option("--save-pose", options->save_pose,
@@ -341,6 +388,7 @@ void add_register_command(CLI::App& app, Action& run) {
       "Examples:\n"
       "  consimd register pair.txt                                           finds out how noisy it is\n"
       "  consimd register source.pcd target.pcd --voxel 0.3                  two scans\n"
+      "  consimd register a.txt b.txt --pairs rows --noise-bound 0.6         two files of N x 3, row by row\n"
       "  consimd register a.bin b.bin --refine plane --save-aligned a_in_b.ply\n"
       "  consimd register source.pcd target.pcd --view view.html             and a page to look at them\n"
       "  consimd register pair.txt --noise-bound 0.6                         metres, lidar clouds of 0.3 m voxels\n"

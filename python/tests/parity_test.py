@@ -28,7 +28,8 @@ CPP_ALONE = {
     # Files, the parts that match_clouds is made of, and what consimd.features calls normals.
     "features": {"read_cloud", "choose_voxel", "occupied_voxels", "random_subset", "radius_neighbours", "resolution",
                  "estimate_normals", "refine_registration", "parse_refinement_method", "to_string", "moved_ply",
-                 "verify_registration", "decide", "is_borne_out"},
+                 "verify_registration", "decide", "is_borne_out", "read_npz_matches", "read_matched_rows",
+                 "read_indexed_matches"},
 }
 # Of Python alone: classes, and bit sets as masks.
 PYTHON_ALONE = {

@@ -5,6 +5,7 @@ import math
 import random
 import struct
 import unittest
+import zipfile
 
 from command import CommandTest
 
@@ -34,6 +35,13 @@ def room(seed, count=20000):
     return points
 
 
+def npy(rows):
+    """An array of float64 as NumPy writes it."""
+    header = f"{{'descr': '<f8', 'fortran_order': False, 'shape': ({len(rows)}, {len(rows[0])}), }}".ljust(117) + "\n"
+    values = b"".join(struct.pack(f"<{len(row)}d", *row) for row in rows)
+    return b"\x93NUMPY\x01\0" + struct.pack("<H", len(header)) + header.encode() + values
+
+
 class Clouds(CommandTest):
     def clouds(self):
         """Two scans of the room, the target turned by 0.3 rad about z and moved; a PLY file and text."""
@@ -46,6 +54,72 @@ class Clouds(CommandTest):
         (self.folder / "target.xyz").write_text("\n".join(lines + ["nan nan nan"]) + "\n")
         (self.folder / "pose.txt").write_text(f"{c} {-s} 0 1\n{s} {c} 0 -0.5\n0 0 1 0\n")
         return "source.ply", "target.xyz"
+
+    def test_matched_clouds(self):
+        """Points that are matched already, as two files, with pairs of rows, and as a learned matcher writes them."""
+        points = room(1, 300)
+        rows = [[x, y, z, 5 - y, 3 + x, z] for x, y, z in points]
+        self.write("six.txt", "".join("{} {} {} {} {} {}\n".format(*row) for row in rows))
+        self.write("a.csv", "x;y;z\n" + "".join("{};{};{}\n".format(*row[:3]) for row in rows))
+        self.write("b.xyz", "".join("{} {} {}\n".format(*row[3:]) for row in rows))
+        self.write("reversed.xyz", "".join("{} {} {}\n".format(*row[3:]) for row in reversed(rows)))
+        self.write("pairs.txt", "# source target score\n" + "".join(f"{k} {299 - k} 0.9\n" for k in range(300)))
+        arrays = {"src_corr_points.npy": [row[:3] for row in rows], "ref_corr_points.npy": [row[3:] for row in rows]}
+        for name, method in (("stored.npz", zipfile.ZIP_STORED), ("deflated.npz", zipfile.ZIP_DEFLATED)):
+            with zipfile.ZipFile(self.folder / name, "w", method) as archive:
+                archive.writestr("corr_scores.npy", npy([[1.0]]))
+                for array, values in arrays.items():
+                    archive.writestr(array, npy(values))
+        self.write("pose.txt", "1 2 3\n0 -1 0 5\n1 0 0 3\n0 0 1 0\n0 0 0 1\n")
+
+        def runs(*arguments):
+            said = json.loads(
+                self.run_command("register", *arguments, "--noise-bound", 0.1, "--truth", "pose.txt", "--json", "-")
+            )
+            return [{**run, "seconds": 0, "stages": 0} for run in said["runs"]]
+
+        expected = runs("six.txt")
+        self.assertEqual(expected[0]["inlier_count"], 300)
+        self.assertLess(expected[0]["translation_error"], 1e-6)
+        for arguments in (
+            ["a.csv", "b.xyz", "--pairs", "rows"],
+            ["a.csv", "reversed.xyz", "--pairs", "pairs.txt"],
+            ["stored.npz"],
+            ["deflated.npz"],
+        ):
+            self.assertEqual(runs(*arguments), expected, arguments)
+        damaged = bytearray((self.folder / "deflated.npz").read_bytes())
+        damaged[200] ^= 1
+        self.write("damaged.npz", bytes(damaged))
+        self.write("short.xyz", "1 2 3\n")
+        self.write("beyond.txt", "0 0\n5 300\n")
+        self.write("word.txt", "0 one\n")
+        for arguments, says in (
+            (["damaged.npz"], "damaged.npz: "),
+            (["a.csv", "short.xyz", "--pairs", "rows"], "short.xyz: 1 rows, expected 300 as in a.csv"),
+            (["a.csv", "b.xyz", "--pairs", "beyond.txt"], "beyond.txt:2: row 300 of the target, which has 300"),
+            (["a.csv", "b.xyz", "--pairs", "word.txt"], "word.txt:1: 'one' is no row of the target"),
+            (["a.csv", "b.xyz", "--pairs", "none.txt"], "none.txt: cannot read"),
+            (["a.csv", "b.xyz", "--pairs", "rows", "--voxel", 1], "that are matched here"),
+            (["six.txt", "--pairs", "rows"], "--pairs: needs two clouds"),
+            (["a.csv", "b.xyz", "--columns", "1,2,3,4,5,6"], "--columns: is of a file"),
+            (["six.txt", "--columns", "1,2,3"], "--columns: expected six columns"),
+            (["six.txt", "--columns", "1,2,3,4,5,7"], "column 7 of 6"),
+        ):
+            self.assert_error("register", *arguments, says=says)
+
+    def test_farthest_keypoints(self):
+        source, target = self.clouds()
+        arguments = ["register", source, target, "--keypoints", "farthest:1500", "--json", "-"]
+        result = json.loads(self.run_command(*arguments))
+        self.assertEqual(result["runs"][0]["status"], "success")
+        stages = {stage["name"]: stage["output"] for stage in result["clouds"]["stages"]}
+        self.assertEqual(stages["farthest"], 3000)
+        self.assertGreater(result["clouds"]["source"]["descriptors"], 1400)  # a few points are alone and have none
+        self.assertEqual(json.loads(self.run_command(*arguments, "--threads", 2))["runs"][0]["inliers"],
+                         result["runs"][0]["inliers"])  # fmt: skip
+        for wrong in ("farthest", "farthest:0", "farthest:many"):
+            self.assert_error("match", source, target, "--keypoints", wrong, says="farthest:COUNT")
 
     def test_register(self):
         source, target = self.clouds()
@@ -163,7 +237,7 @@ class Clouds(CommandTest):
         self.assert_error("register", "cut.ply", target, says="cut.ply: ends before its 20000 points do")
         self.assert_error("register", source, target, "--voxel", 500, says="voxel is 500")
         self.assert_error("register", source, target, "--voxel", 1e-9, says="voxel is 1e-09")
-        self.assert_error("register", source, target, "--keypoints", "some", says="--keypoints: expected all, random:COUNT, iss or iss:COUNT, got 'some'")
+        self.assert_error("register", source, target, "--keypoints", "some", says="--keypoints: expected all, random:COUNT, farthest:COUNT, iss or iss:COUNT, got 'some'")
         self.assert_error("match", source, target, "--matches", "mutual:9", says="--matches: expected mutual:K")
         self.assert_error("register", source, target, "--estimate-scale", says="--estimate-scale")
         self.assert_error("register", "pose.txt", "--no-verification", says="--no-verification, --refine and --save-aligned are of two clouds")

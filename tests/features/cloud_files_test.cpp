@@ -110,6 +110,77 @@ std::string kitti() {
   return bytes;
 }
 
+// That array of float32, by a program that has nothing to do with this one: with the fixed codes, and with codes of its
+// own.
+constexpr std::uint8_t kFixed[] = {
+    0x9b, 0xec, 0x17, 0xea, 0x1b, 0x10, 0xc9, 0xc8, 0x50, 0xc6, 0x50, 0xad, 0x9e, 0x92, 0x5a, 0x9c, 0x5c,
+    0xa4, 0x6e, 0xa5, 0xa0, 0x6e, 0x93, 0x66, 0xa2, 0xae, 0xa3, 0xa0, 0x9e, 0x96, 0x5f, 0x54, 0x52, 0x94,
+    0x98, 0x17, 0x9f, 0x5f, 0x94, 0x92, 0x0a, 0x12, 0x77, 0x4b, 0xcc, 0x29, 0x4e, 0x05, 0x8a, 0x17, 0x67,
+    0x24, 0x16, 0xa4, 0x02, 0xf9, 0x1a, 0x26, 0x3a, 0x0a, 0xc6, 0x9a, 0x3a, 0x0a, 0xb5, 0x0a, 0x64, 0x03,
+    0x2e, 0x06, 0x86, 0x06, 0x7b, 0x06, 0x06, 0x06, 0x07, 0x20, 0x02, 0xe2, 0x09, 0x07, 0x80, 0x7c, 0x3b,
+    0x06, 0x86, 0x2a, 0x17, 0x06, 0x14, 0xf0, 0x00, 0x28, 0xc7, 0x70, 0x90, 0x81, 0x41, 0xc2, 0x11, 0x00};
+constexpr std::uint8_t kDynamic[] = {
+    0x05, 0xc1, 0x31, 0x0e, 0xc1, 0x50, 0x00, 0x80, 0xe1, 0xdf, 0xea, 0x04, 0xc6, 0x7f, 0x7b, 0x24, 0xdd, 0x74, 0x6a,
+    0x84, 0x4a, 0xc4, 0x46, 0x2c, 0x06, 0x93, 0x34, 0xda, 0xc6, 0x20, 0x2a, 0xaf, 0x62, 0x20, 0x92, 0x1e, 0x41, 0xe2,
+    0x42, 0xdc, 0xc4, 0x51, 0x7c, 0xdf, 0x7b, 0xbd, 0x5d, 0x6d, 0x76, 0x3d, 0x6e, 0x3c, 0x42, 0x59, 0xb5, 0x87, 0x18,
+    0x32, 0xc3, 0xa4, 0x4e, 0x43, 0x62, 0xa8, 0x9b, 0x78, 0x8d, 0xc5, 0x79, 0xdf, 0xc4, 0xb2, 0x8a, 0x21, 0x73, 0x59,
+    0x9c, 0xda, 0x2a, 0x31, 0xb4, 0xc7, 0xe2, 0x52, 0x85, 0xcc, 0x61, 0x9a, 0x38, 0x1e, 0x25, 0x3e, 0x55, 0x55, 0x55,
+    0x55, 0x55, 0x55, 0x55, 0x55, 0x55, 0x55, 0x55, 0x55, 0x55, 0x55, 0xb5, 0x0f, 0xdd, 0x0c, 0xc8, 0x21, 0xcf, 0xe1,
+    0xf5, 0x81, 0x6e, 0x0a, 0xf7, 0x05, 0x00, 0x00, 0x00, 0xfc, 0x72, 0xe0, 0x0b, 0x83, 0xf9, 0x1f};
+
+std::uint32_t crc_32(std::string_view bytes) {
+  std::uint32_t rest = 0xffffffffu;
+  for (const char c : bytes) {
+    rest ^= static_cast<unsigned char>(c);
+    for (int bit = 0; bit < 8; ++bit) rest = rest >> 1 ^ ((rest & 1) != 0 ? 0xedb88320u : 0u);
+  }
+  return ~rest;
+}
+
+/// An archive with one file. packed: as stored, with that method of compression.
+std::string zip(const std::string& name, std::uint16_t method, const std::string& packed, const std::string& contents) {
+  const std::string about = bytes_of(std::uint16_t{20}) + bytes_of(std::uint16_t{0}) + bytes_of(method) +
+                            bytes_of(std::uint32_t{0}) + bytes_of(crc_32(contents)) +
+                            bytes_of(static_cast<std::uint32_t>(packed.size())) +
+                            bytes_of(static_cast<std::uint32_t>(contents.size())) +
+                            bytes_of(static_cast<std::uint16_t>(name.size())) + bytes_of(std::uint16_t{0});
+  const std::string local = "PK\3\4" + about + name + packed;
+  const std::string entry = "PK\1\2" + bytes_of(std::uint16_t{20}) + about + std::string(14, '\0') + name;
+  return local + entry + "PK\5\6" + std::string(4, '\0') + bytes_of(std::uint16_t{1}) + bytes_of(std::uint16_t{1}) +
+         bytes_of(static_cast<std::uint32_t>(entry.size())) + bytes_of(static_cast<std::uint32_t>(local.size())) +
+         bytes_of(std::uint16_t{0});
+}
+
+/// A block of DEFLATE without compression.
+std::string stored_block(const std::string& contents) {
+  const auto size = static_cast<std::uint16_t>(contents.size());
+  return "\1" + bytes_of(size) + bytes_of(static_cast<std::uint16_t>(~size)) + contents;
+}
+
+template <std::size_t N>
+std::string text_of(const std::uint8_t (&bytes)[N]) {
+  return {bytes, bytes + N};
+}
+
+std::string las() {
+  std::string bytes(227, '\0');
+  const auto put = [&](std::size_t at, const std::string& value) { bytes.replace(at, value.size(), value); };
+  put(0, "LASF");
+  put(24, "\1\2");
+  put(96, bytes_of(std::uint32_t{227}));
+  put(105, bytes_of(std::uint16_t{20}));
+  put(107, bytes_of(std::uint32_t{4}));
+  for (std::size_t c = 0; c < 3; ++c) {
+    put(131 + 8 * c, bytes_of(0.25));
+    put(155 + 8 * c, bytes_of(0.0));
+  }
+  for (const auto& row : kRows) {
+    for (const double x : row) bytes += bytes_of(static_cast<std::int32_t>(4.0 * x));
+    bytes += std::string(8, '\7');
+  }
+  return bytes;
+}
+
 struct File {
   std::string name;
   std::string bytes;
@@ -129,6 +200,13 @@ std::vector<File> files() {
           {"c.pcd", pcd("binary_compressed", compressed_rows())},
           {"f.npy", npy("<f4", false, array<float>(false, false))},
           {"d.npy", npy(">f8", true, array<double>(true, true))},
+          {"s.npz", zip("points.npy", 0, npy("<f4", false, array<float>(false, false)),
+                        npy("<f4", false, array<float>(false, false)))},
+          {"r.npz", zip("other.npy", 8, stored_block(npy(">f8", true, array<double>(true, true))),
+                        npy(">f8", true, array<double>(true, true)))},
+          {"x.npz", zip("xyz.npy", 8, text_of(kFixed), npy("<f4", false, array<float>(false, false)))},
+          {"y.npz", zip("xyz.npy", 8, text_of(kDynamic), npy("<f4", false, array<float>(false, false)))},
+          {"l.las", las()},
           {"k.bin", kitti()},
           {"blanks.xyz", "# x y z\n" + text_rows(" ", " 0.3 17")},
           {"commas.csv", text_rows(", ", ",5")},
@@ -201,6 +279,14 @@ TEST_F(CloudFiles, ThatPromiseTooMuchReserveNothing) {
     EXPECT_NE(fault("f.npy", lying(npy("<f4", false, array<float>(false, false)), "(4, 3)", "(" + number + ", 3)")),
               "nothing");
   }
+  const std::string whole = npy("<f4", false, array<float>(false, false));
+  // An archive that says more of its contents than there is, by little and by far.
+  EXPECT_NE(fault("y.npz", zip("xyz.npy", 8, text_of(kDynamic), whole + "more")).find("bytes, expected"),
+            std::string::npos);
+  const std::string size = bytes_of(static_cast<std::uint32_t>(whole.size()));
+  std::string lie = zip("xyz.npy", 8, text_of(kDynamic), whole);
+  lie.replace(lie.rfind(size), 4, bytes_of(std::uint32_t{0xfffffff0}));
+  EXPECT_NE(fault("y.npz", lie).find("cannot give 4294967280"), std::string::npos) << fault("y.npz", lie);
   std::string compressed = compressed_rows();
   compressed.replace(4, 4, bytes_of(std::uint32_t{0xfffffff0}));
   EXPECT_NE(fault("c.pcd", pcd("binary_compressed", compressed)).find("cannot give"), std::string::npos);
@@ -235,7 +321,19 @@ TEST_F(CloudFiles, SayWhatIsWrong) {
   EXPECT_NE(fault("t.xyz", "1 2 3\n4 five 6\n").find("t.xyz:2: 'five' is not a number"), std::string::npos);
   EXPECT_NE(fault("t.xyz", "1 2 3\n4 5\n").find("t.xyz:2: expected 3 numbers or more, got 2"), std::string::npos);
   EXPECT_NE(fault("t.csv", "easting,northing\n1,2\n").find("t.csv:1: neither numbers"), std::string::npos);
-  EXPECT_NE(fault("t.las", std::string("LASF\0\0\0", 7)).find("not a cloud"), std::string::npos);
+  EXPECT_NE(fault("t.xyz", std::string("\0\1\2", 3)).find("not a cloud"), std::string::npos);
+  EXPECT_NE(fault("t.csv", "1,5;2,5;3,5\n").find("t.csv:1: commas and semicolons"), std::string::npos);
+  EXPECT_NE(fault("t.las", std::string("LASF\0\0\0", 7)).find("ends within its header"), std::string::npos);
+  std::string laz = las();
+  laz[104] = static_cast<char>(0x83);
+  EXPECT_NE(fault("t.laz", laz).find("pdal translate"), std::string::npos);
+  EXPECT_NE(fault("t.e57", std::string("ASTM-E57\0\1", 10)).find("pdal translate"), std::string::npos);
+  const std::string array_of_rows = npy("<f4", false, array<float>(false, false));
+  EXPECT_NE(fault("n.npz", zip("a.txt", 0, "1 2 3", "1 2 3")).find("a.txt: not an array"), std::string::npos);
+  EXPECT_NE(fault("n.npz", zip("xyz.npy", 0, array_of_rows, array_of_rows.substr(1) + "x")).find("checksum"),
+            std::string::npos);
+  EXPECT_NE(fault("n.npz", zip("xyz.npy", 12, array_of_rows, array_of_rows)).find("method 12"), std::string::npos);
+  EXPECT_NE(fault("n.npz", "PK\3\4 and no more").find("without a directory"), std::string::npos);
   EXPECT_NE(fault("n.npy", npy("<i8", false, "")).find("expected float32"), std::string::npos);
   EXPECT_THROW(static_cast<void>(features::read_cloud(folder_ / "absent.ply")), std::runtime_error);
   EXPECT_THROW(static_cast<void>(features::read_cloud(folder_ / ".")), std::runtime_error);

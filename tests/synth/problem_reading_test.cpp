@@ -1,6 +1,10 @@
 #include <consimd/synth/problem_files.hpp>
 
+#include <cmath>
 #include <stdexcept>
+#include <string>
+#include <utility>
+#include <vector>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -28,6 +32,34 @@ TEST_F(PoseReadingTest, ReadsThreeAndFourRows) {
     const Eigen::Vector3d moved = read(text) * Eigen::Vector3d(1, 0, 0);
     EXPECT_TRUE(moved.isApprox(Eigen::Vector3d(5, 7, 7))) << moved.transpose();
   }
+}
+
+TEST_F(PoseReadingTest, ReadsTheFormsOfTrajectories) {
+  const RigidTransform expected = read(kQuarterTurn);
+  for (const char* text : {
+           "0 -1 0 5 1 0 0 6 0 0 1 7\n",                                      // KITTI
+           "0,-1,0,5,1,0,0,6,0,0,1,7,0,0,0,1\n",                              // the same with its last row
+           "0 1 2\n0 -1 0 5\n1 0 0 6\n0 0 1 7\n0 0 0 1\n",                    // gt.log
+           "# t x y z qx qy qz qw\n1.5e9 5 6 7 0 0 0.70710678 0.70710678\n",  // TUM
+           "5 6 7 0 0 -0.70710678 -0.70710678\n",
+       }) {
+    EXPECT_TRUE(read(text).isApprox(expected, 1e-7)) << text;
+  }
+}
+
+TEST_F(PoseReadingTest, RefusesSeveralPosesAndBadOnes) {
+  const std::string kitti = "0 -1 0 5 1 0 0 6 0 0 1 7\n", logged = "0 1 2\n0 -1 0 5\n1 0 0 6\n0 0 1 7\n0 0 0 1\n";
+  const auto refused = [this](const std::string& text, const std::string& says) {
+    const auto reading = [&] { (void)read(text); };
+    EXPECT_THAT(reading, testing::ThrowsMessage<std::runtime_error>(testing::HasSubstr(says))) << text;
+  };
+  refused(kitti + kitti + kitti, "3 poses, expected the one of the pair");
+  refused(logged + logged, "2 poses, expected the one of the pair");
+  refused("0 5 6 7 0 0 0.5 0.5\n", "a quaternion of length 0.707");
+  refused("0 5 6 7 0 0 0 0\n", "a quaternion of length 0");
+  refused(kitti.substr(0, kitti.size() - 3) + "\n", "1: expected 4 numbers, got 11");
+  refused("0 -1 0 5 1 0 0 6 0 0 1 7 0 0 1 1\n", "the last row must be 0 0 0 1");
+  refused("a b c d\n" + kitti, "a line of names, expected a pose");
 }
 
 TEST_F(PoseReadingTest, TakesALastRowThatIsOffByRounding) {
@@ -95,6 +127,67 @@ TEST_F(ProblemReadingTest, ReadsWhatIsWritten) {
   EXPECT_EQ(read.is_inlier, written.is_inlier);
   EXPECT_TRUE(read.T_target_source.isApprox(written.T_target_source, 1e-14));
   EXPECT_EQ(read_correspondences(folder_ / "p/correspondences.txt").size(), 100u);
+}
+
+class ColumnsTest : public testing::Test {
+ protected:
+  /// Ten rows, a point apart by 1, 2, ... 6 in each coordinate, made by row(k).
+  template <typename Row>
+  std::string rows(const std::string& first, const Row& row) {
+    std::string text = first;
+    for (int k = 0; k < 10; ++k) text += row(k) + "\n";
+    return text;
+  }
+  /// Source and target of the second row less those of the first.
+  std::vector<double> read(const std::string& text, std::span<const std::size_t> columns = {}) {
+    test::write_text(folder_ / "rows.csv", text);
+    const Correspondences read = read_correspondences(folder_ / "rows.csv", columns);
+    EXPECT_EQ(read.size(), 10u);
+    std::vector<double> steps;
+    for (const bool source : {true, false}) {
+      for (std::size_t c = 0; c < 3; ++c) {
+        const float* values = source ? read.view().source(c) : read.view().target(c);
+        steps.push_back(std::round(1e3 * static_cast<double>(values[1] - values[0]) / read.scale()) / 1e3);
+      }
+    }
+    return steps;
+  }
+  test::TemporaryFolder folder_;
+};
+
+std::string point(int k, const char* separator = ",") {
+  std::string text;
+  for (int c = 1; c <= 6; ++c) text += (c > 1 ? separator : "") + std::to_string(c * k);
+  return text;
+}
+
+TEST_F(ColumnsTest, AreUnderstoodWhereTheyTell) {
+  const std::vector<double> expected{1, 2, 3, 4, 5, 6};
+  const auto indexed = [](int k) { return std::to_string(k + 1) + "," + point(k); };
+  const auto scored = [](int k) { return "0.7," + point(k) + ",1"; };
+  EXPECT_EQ(read(rows("", [](int k) { return point(k, ";"); })), expected);
+  EXPECT_EQ(read(rows("", [](int k) { return std::to_string(k) + " " + point(k, " "); })), expected);
+  EXPECT_EQ(read(rows("", indexed)), expected);
+  EXPECT_EQ(read(rows("sx,sy,sz,tx,ty,tz\n", [](int k) { return point(k); })), expected);
+  EXPECT_EQ(read(rows("a,b,c,d,e,f\n", [](int k) { return point(k); })), expected);
+  EXPECT_EQ(read(rows("score,\"X1\",Y1,Z1,x2,y2,z2,label\n", scored)), expected);
+  EXPECT_EQ(read(rows("score,x_src,y_src,z_src,x_dst,y_dst,z_dst,label\n", scored)), expected);
+  const std::vector<double> swapped{4, 5, 6, 1, 2, 3};
+  EXPECT_EQ(read(rows("id,target_x,target_y,target_z,source_x,source_y,source_z\n", indexed)), swapped);
+  EXPECT_EQ(read(rows("", scored), std::vector<std::size_t>{5, 6, 7, 2, 3, 4}), swapped);
+}
+
+TEST_F(ColumnsTest, AreAskedForWhereTheyDoNot) {
+  const auto scored = [](int k) { return point(k) + ",0.5"; };
+  const auto refused = [&](const std::string& text, const std::string& says, std::vector<std::size_t> columns = {}) {
+    EXPECT_THAT([&] { (void)read(text, columns); }, testing::ThrowsMessage<std::exception>(testing::HasSubstr(says)));
+  };
+  refused(rows("", scored), "rows.csv: 7 numbers a line, expected 6: say which");
+  refused(rows("x,y,z,nx,ny,nz,w\n", scored), "--columns");
+  refused(rows("", scored), "column 8 of 7", {1, 2, 3, 4, 5, 8});
+  refused(rows("", scored), "six of them", {1, 2, 3});
+  refused(rows("", scored), "six of them", {0, 1, 2, 3, 4, 5});
+  refused(rows("", scored) + "1,2,3,4,5,6\n", "rows.csv:11: expected 7 numbers, got 6");
 }
 
 TEST_F(ProblemReadingTest, NamesTheFileAtFault) {

@@ -29,6 +29,10 @@ std::string rest_of(std::istream& stream, std::size_t expected) {
   return bytes;
 }
 
+}  // namespace
+
+namespace detail {
+
 std::string contents(const std::filesystem::path& path) {
   if (path == "-") return rest_of(std::cin, 0);
   std::error_code ignored;
@@ -44,32 +48,40 @@ std::string contents(const std::filesystem::path& path) {
   return rest_of(file, ignored ? 0 : static_cast<std::size_t>(size));
 }
 
-detail::Coordinates coordinates(std::string_view bytes, const std::filesystem::path& path) {
+Coordinates read_points(std::string_view bytes, const std::filesystem::path& path) {
   const std::filesystem::path form = path.extension();
-  if (form == ".ply" || bytes.starts_with("ply\n") || bytes.starts_with("ply\r")) return detail::read_ply(bytes);
-  if (form == ".pcd" || bytes.starts_with("# .PCD") || bytes.starts_with("VERSION ")) return detail::read_pcd(bytes);
-  if (form == ".npy" || bytes.starts_with("\x93NUMPY")) return detail::read_npy(bytes);
-  if (form == ".bin") return detail::read_kitti(bytes);
-  if (bytes.find('\0') != std::string_view::npos) {
-    throw detail::FileFault("not a cloud: neither PLY, PCD, NPY or text, nor a .bin of KITTI's form");
+  if (form == ".ply" || bytes.starts_with("ply\n") || bytes.starts_with("ply\r")) return read_ply(bytes);
+  if (form == ".pcd" || bytes.starts_with("# .PCD") || bytes.starts_with("VERSION ")) return read_pcd(bytes);
+  if (form == ".npy" || bytes.starts_with("\x93NUMPY")) return read_npy(bytes);
+  if (form == ".npz" || bytes.starts_with("PK\3\4")) return read_npz(bytes);
+  if (bytes.starts_with("LASF")) return read_las(bytes);
+  if (form == ".bin") return read_kitti(bytes);
+  if (bytes.starts_with("ASTM-E57")) {
+    throw FileFault("an E57 file, which is not read: convert it with 'pdal translate FILE.e57 FILE.las'");
   }
-  return detail::read_point_text(bytes);
+  if (bytes.find('\0') != std::string_view::npos) {
+    throw FileFault("not a cloud: neither PLY, PCD, NPY, NPZ, LAS or text, nor a .bin of KITTI's form");
+  }
+  return read_point_text(bytes);
 }
 
-}  // namespace
+std::runtime_error named(const std::filesystem::path& path, const FileFault& fault) {
+  const std::string what = fault.what();
+  // A fault of text begins with its line.
+  const bool has_line =
+      !what.empty() && what[0] >= '0' && what[0] <= '9' && what.find(": ") == what.find_first_not_of("0123456789");
+  return std::runtime_error(path.string() + (has_line ? ":" : ": ") + what);
+}
+
+}  // namespace detail
 
 Cloud read_cloud(const std::filesystem::path& path, std::optional<double> missing) {
   try {
-    const std::string bytes = contents(path);
-    const detail::Coordinates points = coordinates(bytes, path);
+    const detail::Coordinates points = detail::read_points(detail::contents(path), path);
     return Cloud(PointSpan<double>::interleaved(points.empty() ? nullptr : points.front().data(), points.size()),
                  missing);
   } catch (const detail::FileFault& fault) {
-    const std::string what = fault.what();
-    // A fault of text begins with its line.
-    const bool has_line =
-        !what.empty() && what[0] >= '0' && what[0] <= '9' && what.find(": ") == what.find_first_not_of("0123456789");
-    throw std::runtime_error(path.string() + (has_line ? ":" : ": ") + what);
+    throw detail::named(path, fault);
   }
 }
 

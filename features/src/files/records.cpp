@@ -190,6 +190,9 @@ Coordinates read_number_lines(std::string_view text, const std::array<std::size_
     const std::string_view line = without_comment(next_line(text));
     if (is_empty(line)) continue;
     try {
+      if (line.find(';') != std::string_view::npos && line.find(',') != std::string_view::npos) {
+        throw FileFault("commas and semicolons in one line: write numbers with points, or separate by one of them");
+      }
       std::array<double, 3> point{};
       const std::size_t words = split(line, last, [&](std::size_t k, std::string_view word) {
         for (std::size_t c = 0; c < 3; ++c) {

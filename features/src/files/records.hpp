@@ -4,6 +4,7 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <filesystem>
 #include <stdexcept>
 #include <string>
 #include <string_view>
@@ -51,8 +52,13 @@ void require_records(std::string_view bytes, std::size_t count, std::size_t size
 [[nodiscard]] Coordinates read_ply(std::string_view bytes);
 [[nodiscard]] Coordinates read_pcd(std::string_view bytes);
 [[nodiscard]] Coordinates read_npy(std::string_view bytes);
+[[nodiscard]] Coordinates read_npz(std::string_view bytes);
+[[nodiscard]] Coordinates read_las(std::string_view bytes);
 [[nodiscard]] Coordinates read_kitti(std::string_view bytes);
 [[nodiscard]] Coordinates read_point_text(std::string_view text);
+
+/// Matched points of an .npz: the arrays src_corr_points and ref_corr_points, as long as one another.
+[[nodiscard]] std::array<Coordinates, 2> read_npz_matches(std::string_view bytes);
 
 /// `count` lines of numbers; columns: which of a line's are x, y and z; lines start after line `before` of the file.
 /// Throws FileFault "LINE: what".
@@ -61,5 +67,14 @@ void require_records(std::string_view bytes, std::size_t count, std::size_t size
 
 /// Undoes LZF compression. Throws FileFault unless exactly `size` bytes come out.
 [[nodiscard]] std::string decompress_lzf(std::string_view compressed, std::size_t size);
+
+/// The whole file. Throws std::runtime_error "FILE: cannot read: why".
+[[nodiscard]] std::string contents(const std::filesystem::path& path);
+
+/// The points of a file in any of the forms, by its beginning or its ending. Throws FileFault.
+[[nodiscard]] Coordinates read_points(std::string_view bytes, const std::filesystem::path& path);
+
+/// `fault` with the name of its file in front, as "FILE: what" or, of text, "FILE:LINE: what".
+[[nodiscard]] std::runtime_error named(const std::filesystem::path& path, const FileFault& fault);
 
 }  // namespace consimd::features::detail

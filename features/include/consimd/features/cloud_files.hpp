@@ -17,6 +17,8 @@ namespace CONSIMD_EXPORT features {
 ///   PLY      ascii, binary of both byte orders
 ///   PCD      ascii, binary, binary_compressed
 ///   NPY      N x 3 or more columns of float32 or float64, C or Fortran order, of both byte orders
+///   NPZ      the same, stored or deflated: the array points, xyz or pcd, or the only one
+///   LAS      versions 1.0 to 1.4; not LAZ
 ///   .bin     KITTI's: float32 x, y, z, reflectance
 ///   text     a point a line: x y z and what else, separated by blanks, commas or semicolons; '#' starts a comment, a
 ///            first line of names tells where x, y and z are

@@ -1,11 +1,13 @@
 // Problems as text files: written for `consimd register` and any script, and read.
 //
-// A file of numbers has rows of as many numbers each, separated by blanks or single commas, whatever the locale. '#'
-// starts a comment; empty lines, CRLF ends and a UTF-8 byte-order mark are allowed. Anything else (another count of
-// numbers, text, NaN, infinity, UTF-16) is a std::runtime_error "FILE:LINE: what". The file "-" is the standard input.
+// A file of numbers has rows of them, separated by blanks or single commas or semicolons, whatever the locale. '#'
+// starts a comment; empty lines, CRLF ends and a UTF-8 byte-order mark are allowed. Anything else (text, NaN, infinity,
+// UTF-16) is a std::runtime_error "FILE:LINE: what". The file "-" is the standard input.
 #pragma once
 
+#include <cstddef>
 #include <filesystem>
+#include <span>
 
 #include <consimd/kernels/correspondences.hpp>
 #include <consimd/kernels/export.hpp>
@@ -29,16 +31,21 @@ void write_problem(const Problem& problem, const std::filesystem::path& folder);
 /// Writes `pose` with `scale` as `write_problem` writes the true one. Throws std::runtime_error naming the path.
 void write_pose(const RigidTransform& pose, double scale, const std::filesystem::path& path);
 
-/// Reads N >= 3 rows of source x y z and target x y z. Throws std::runtime_error that names the file, and the line
-/// where there is one.
-[[nodiscard]] Correspondences read_correspondences(const std::filesystem::path& path);
+/// Reads N >= 3 rows of source x y z and target x y z. Other columns must be told from these: by a first line of names,
+/// of which six are those of x y z x y z (x1, source_x, sx), as an index that counts the rows before them, or by
+/// `columns`, six numbers from 1. Throws std::runtime_error that names the file, and the line where there is one;
+/// std::invalid_argument on bad `columns`.
+[[nodiscard]] Correspondences read_correspondences(const std::filesystem::path& path,
+                                                   std::span<const std::size_t> columns = {});
 
 /// [R t] with the rotation nearest to `rotation`, which is one within 1e-3 an entry of R R^T, as numbers with few
 /// digits are. Throws std::invalid_argument if it is not, or is a reflection.
 [[nodiscard]] RigidTransform nearest_pose(const Eigen::Matrix3d& rotation, const Eigen::Vector3d& translation);
 
-/// Reads a 4 x 4 or 3 x 4 matrix [R t]; a fourth row may be off 0 0 0 1 by rounding. The nearest pose is
-/// returned. Throws std::runtime_error that names the file, also if R is no rotation, as above.
+/// Reads one pose: a 4 x 4 or 3 x 4 matrix [R t], row by row or in one line of 16 or 12 numbers, as KITTI's; below a
+/// line of three numbers, as in a gt.log of 3DMatch; or a line of TUM's form, time tx ty tz qx qy qz qw, the time left
+/// out or not. A fourth row may be off 0 0 0 1 by rounding. The nearest pose is returned. Throws std::runtime_error
+/// that names the file, also if R is no rotation, as above, or there are several poses.
 [[nodiscard]] RigidTransform read_pose(const std::filesystem::path& path);
 
 /// x_target = R (scale * x_source) + t.
@@ -47,7 +54,8 @@ struct ScaledPose {
   double scale = 1.0;
 };
 
-/// Reads a 4 x 4 or 3 x 4 matrix [s R t], R a rotation as above, s > 0. Throws std::runtime_error that names the file.
+/// Reads one pose in the same forms, whose matrix is [s R t], R a rotation as above, s > 0. Throws std::runtime_error
+/// that names the file.
 [[nodiscard]] ScaledPose read_scaled_pose(const std::filesystem::path& path);
 
 /// Reads a problem of real data: its correspondences, and the rigid true pose. Rows within `noise_bound` of that pose
