@@ -1,4 +1,3 @@
-#include <cstdlib>
 #include <filesystem>
 #include <memory>
 #include <optional>
@@ -19,6 +18,7 @@
 #include "option_checks.hpp"
 #include "outside_arguments.hpp"
 #include "progress.hpp"
+#include "shard_option.hpp"
 #include "standard_streams.hpp"
 #include "study_report.hpp"
 #include "threads.hpp"
@@ -44,16 +44,6 @@ std::vector<double> values_of(std::string_view option, const std::string& text) 
     return studies::parse_value_list(text);
   } catch (const std::invalid_argument& error) {
     throw std::invalid_argument(fmt::format("{}: {}", option, error.what()));
-  }
-}
-
-std::optional<studies::Shard> shard_of(const std::optional<std::string>& text) {
-  if (!text) return std::nullopt;
-  try {
-    if (text->find('/') != std::string::npos) return studies::parse_shard(*text);
-    return studies::shard_from_environment(*text, [](const char* name) { return std::getenv(name); });
-  } catch (const std::invalid_argument& error) {
-    throw std::invalid_argument(fmt::format("--shard: {}", error.what()));
   }
 }
 
@@ -158,10 +148,7 @@ void add_sweep_command(CLI::App& app, Action& run) {
       ->capture_default_str();
   add_threads_option(*command, options->threads);
   command->add_option("--out", options->out, "Folder for the results, made if missing")->capture_default_str();
-  command->add_option(
-      "--shard", options->shard,
-      "Run the K-th of N parts only, in a folder of its own within --out: K/N, or where the part stands "
-      "in the environment: auto, slurm-array, openmpi, pmi or slurm");
+  add_shard_option(*command, options->shard);
   command->add_flag("--fresh", options->fresh, "Start over: drop the study that the folder holds");
   command->add_flag("--map", options->map,
                     "Also measure where the limit lies (limits.csv) and draw maps over outlier ratio and noise");

@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
+import inspect
 import os
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING, Any, Literal, NamedTuple
 
 from consimd import _core
 from consimd._outside import named_solvers
 from consimd._tables import structured
+from consimd.features import match_clouds
 
 if TYPE_CHECKING:
     import numpy as np
@@ -46,10 +48,30 @@ def _floats(values: Iterable[float] | None) -> list[float] | None:
     return None if values is None else [float(value) for value in values]
 
 
+def _front_end(options: Mapping[str, Any]) -> dict[str, Any]:
+    """Those of `features.match_clouds` that were given; TypeError on a name that it does not have."""
+    for name in ("source", "target", "seed", "threads"):
+        if name in options:
+            raise TypeError(f"front_end: {name} is no option of it")
+    inspect.signature(match_clouds).bind_partial(**options)
+    return dict(options)
+
+
 def compare(
     cases: str | os.PathLike[str] | None = None,
     synthetic: str | Sequence[str] = (),
     *,
+    scans: str | os.PathLike[str] | None = None,
+    layout: Literal["kitti", "eth", "3dmatch", "pairs"] | None = None,
+    sequences: str | Sequence[str] = (),
+    pairs: int | None = None,
+    distance: float = 17.0,
+    pair_list: str | os.PathLike[str] | None = None,
+    ground_truth: str | os.PathLike[str] | None = None,
+    overlap: tuple[float, float] | None = None,
+    skip_consecutive: bool = False,
+    front_end: Mapping[str, Any] | None = None,
+    noise_bound: float | None = None,
     tables: str | Sequence[str] = ("solvers",),
     solvers: Solvers | None = None,
     versions: Mapping[str, str] | None = None,
@@ -74,11 +96,22 @@ def compare(
 
     cases: a folder whose sub-folders hold correspondences.txt, pose.txt and case.json.
     synthetic: names of stand-ins (see `consimd.synth.stand_ins()`), "stand-ins" (all of them), "eth", "kitti", or
-        "noise", cells of the noise study. Nothing: all stand-ins, unless there are cases.
-    tables: "solvers", "boost", "stages", "poses", "iterations", "scales".
+        "noise", cells of the noise study. Nothing: all stand-ins, unless there are cases or scans.
+    scans, layout: the folder of a data set of scans with poses, and how it lies there: "kitti", "eth", "3dmatch", "pairs",
+        as the command's help describes them. Every scan is read before anything runs.
+    sequences, pairs: of scans: which sequences, scenes or groups (nothing: all), and the most pairs of each, drawn by the
+        seed; None: 200 of KITTI, all of the others.
+    distance, pair_list: of "kitti": metres between the scans of a pair that is drawn, or a file of pairs.
+    ground_truth, overlap, skip_consecutive: of "3dmatch": another folder with SCENE/gt.log; only pairs whose overlap in
+        gt_overlap.log is above the first and at most the second share; no fragments that follow one another.
+    front_end: of scans: options of `features.match_clouds` by name, but for seed and threads, in place of those that the
+        users of the data set take.
+    noise_bound: of all pairs of scans; None: three times a pair's resolution.
+    tables: "data", "solvers", "pipeline" (of scans), "boost", "stages", "poses", "iterations", "scales".
     solvers, versions, time_limit: as those of `consimd.sweep`, of the tables; solvers None: all of consimd's.
     filter: "tcf" runs the table "solvers" after TCF's filter.
-    thresholds: limits of a success: "case" (what each case states), "paper", "eth", "kitti", "kitti06", "3dmatch".
+    thresholds: limits of a success: "case" (what each case states), "paper", "eth", "kitti", "kitti06", "3dmatch",
+        "3dmatch-rmse", or degrees and metres as a text, "5,0.6".
     trials: problems of each stand-in, noise cell, and scale with its noise.
     points, outliers, sigma: of the noise cells; None: 0.1 to 0.99 and 0.1 to 5 m.
     iterations, iteration_problems: samples of plain RANSAC, and the problems, of the table "iterations"; None: 1000 to
@@ -87,7 +120,8 @@ def compare(
     seed: of the data; synthetic problem k starts its solvers with seed + k.
     seeds: runs of a solver on each case, with seeds one after the other.
     threads: as that of `consimd.register`. Runs go one at a time, each on all threads.
-    out: a folder that gets runs.csv as runs end, then tables.md, a table_*.csv a table, and comparison.json. The same
+    out: a folder that gets runs.csv as runs end, then tables.md, a table_*.csv a table, and comparison.json;
+        correspondences of scans are kept in it. The same
         call takes up a comparison that was stopped; RuntimeError if the folder holds another one, unless `fresh` drops
         that, or if another process writes to it.
     progress: called with the numbers of runs done and of all, some ten times a second.
@@ -97,9 +131,29 @@ def compare(
     Ctrl-C ends the comparison with KeyboardInterrupt once the running registration is done; a folder keeps the runs.
     """
     names, outside = (None, []) if solvers is None else named_solvers(solvers, versions or {})
+    of_scans: dict[str, Any] = {
+        "layout": layout or "",
+        "sequences": _names(sequences),
+        "pairs": pairs,
+        "distance": float(distance),
+        "pair_list": "" if pair_list is None else os.fspath(pair_list),
+        "ground_truth": "" if ground_truth is None else os.fspath(ground_truth),
+        "overlap": None if overlap is None else (float(overlap[0]), float(overlap[1])),
+        "skip_consecutive": skip_consecutive,
+        "noise_bound": None if noise_bound is None else float(noise_bound),
+        "front_end": _front_end(front_end or {}),
+    }
+    if scans is None:
+        defaults = inspect.signature(compare).parameters
+        own = {**of_scans, "layout": layout, "sequences": sequences, "pair_list": pair_list, "ground_truth": ground_truth}
+        own["front_end"] = front_end
+        for name, value in own.items():
+            if value != defaults[name].default:
+                raise ValueError(f"{name}: it is for scans, which are not given")
     run_columns, text_tables = _core.run_comparison(
         None if cases is None else os.fspath(cases),
         _names(synthetic),
+        None if scans is None else {"folder": os.fspath(scans), **of_scans},
         trials,
         points,
         _floats(outliers),

@@ -1,8 +1,11 @@
 // Comparisons of solvers.
 #include <consimd/studies/comparison.hpp>
 
+#include <array>
+#include <atomic>
 #include <filesystem>
 #include <optional>
+#include <stdexcept>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -10,6 +13,7 @@
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
+#include <nanobind/stl/array.h>
 #include <nanobind/stl/filesystem.h>
 #include <nanobind/stl/optional.h>
 #include <nanobind/stl/string.h>
@@ -24,6 +28,7 @@
 #include <consimd/studies/compare_options.hpp>
 #include <consimd/studies/comparison_folder.hpp>
 #include "bindings.hpp"
+#include "interruptible_call.hpp"
 #include "outside_solvers.hpp"
 #include "study_tables.hpp"
 
@@ -39,9 +44,74 @@ nb::tuple to_tuple(const studies::TextTable& table) {
   return nb::make_tuple(table.name, table.title, table.caption, table.columns, table.rows, studies::to_markdown(table));
 }
 
+/// What a dictionary has under a name, if it has it. TypeError that names it where it is of another type.
+template <typename Value>
+void take(const nb::dict& from, const char* name, Value& value) {
+  if (!from.contains(name)) return;
+  if (!nb::try_cast(from[name], value)) {
+    throw nb::type_error(fmt::format("{}: {} is of the wrong type", name, nb::repr(from[name]).c_str()).c_str());
+  }
+}
+
+/// Of the dictionary that `_compare.py` makes; none of None.
+std::optional<studies::ScanOptions> scan_options(const nb::object& given) {
+  if (given.is_none()) return std::nullopt;
+  const nb::dict scans = nb::cast<nb::dict>(given);
+  studies::ScanOptions options;
+  studies::LayoutOptions& layout = options.layout;
+  take(scans, "folder", layout.folder);
+  take(scans, "layout", layout.layout);
+  take(scans, "sequences", layout.sequences);
+  take(scans, "pairs", layout.pairs);
+  take(scans, "distance", layout.distance);
+  take(scans, "pair_list", layout.pair_list);
+  take(scans, "ground_truth", layout.ground_truth);
+  take(scans, "overlap", layout.overlap);
+  take(scans, "skip_consecutive", layout.skip_consecutive);
+  take(scans, "noise_bound", options.noise_bound);
+  const nb::dict front_end = nb::cast<nb::dict>(scans["front_end"]);
+  features::CloudMatchingOptions& matching = options.front_end = studies::layout_front_end(layout.layout);
+  take(front_end, "voxel", matching.voxel);
+  take(front_end, "normal_radius", matching.normal_radius);
+  take(front_end, "descriptor_radius", matching.descriptor_radius);
+  take(front_end, "keypoints", matching.keypoints);
+  take(front_end, "iss", matching.iss);
+  take(front_end, "iss_radius", matching.iss_radius);
+  take(front_end, "iss_suppression_radius", matching.iss_suppression_radius);
+  take(front_end, "best", matching.matches.best);
+  take(front_end, "mutual", matching.matches.mutual);
+  take(front_end, "ratio", matching.matches.ratio);
+  take(front_end, "source_viewpoint", matching.source_viewpoint);
+  take(front_end, "target_viewpoint", matching.target_viewpoint);
+  take(front_end, "missing", options.missing);
+  return options;
+}
+
+/// Reading scans takes a while, so Ctrl-C ends it. What a data set lacks becomes a warning.
+studies::Comparison prepared(const studies::CompareOptions& options, std::optional<int> threads) {
+  std::atomic<bool> stop = false;
+  std::vector<std::string> notes;
+  std::optional<studies::Comparison> comparison;
+  const studies::PreparationControl control{
+      .on_scan =
+          [&](std::size_t, std::size_t) {
+            if (stop) throw std::runtime_error("stopped");  // nobody sees it: the signal's own exception is raised
+          },
+      .on_note = [&](const std::string& note) { notes.push_back(note); }};
+  call_interruptibly(
+      [&] {
+        with_threads(threads, [&] { comparison.emplace(studies::make_comparison(options, std::nullopt, control)); });
+      },
+      {.request_stop = [&] { stop = true; }});
+  for (const std::string& note : notes) {
+    if (PyErr_WarnEx(PyExc_UserWarning, note.c_str(), 1) != 0) throw nb::python_error();
+  }
+  return *std::move(comparison);
+}
+
 nb::tuple run(const std::optional<std::filesystem::path>& cases, std::vector<std::string> synthetic,
-              std::uint32_t trials, std::size_t points, const Numbers& outliers, const Numbers& sigma,
-              std::vector<std::string> tables, std::optional<std::vector<std::string>> solvers,
+              const nb::object& scans, std::uint32_t trials, std::size_t points, const Numbers& outliers,
+              const Numbers& sigma, std::vector<std::string> tables, std::optional<std::vector<std::string>> solvers,
               const std::vector<OutsideEntry>& outside, double time_limit, std::string_view filter,
               std::string thresholds, std::optional<std::vector<std::uint32_t>> iterations,
               std::uint32_t iteration_problems, Numbers scales, std::uint64_t seed, std::uint32_t seeds,
@@ -49,6 +119,8 @@ nb::tuple run(const std::optional<std::filesystem::path>& cases, std::vector<std
               const nb::object& progress) {
   studies::CompareOptions options;
   if (cases) options.cases = cases->string();
+  options.scans = scan_options(scans);
+  if (options.scans && folder_path) options.scans->cache = studies::correspondences_folder(*folder_path);
   options.synthetic = std::move(synthetic);
   options.trials = trials;
   options.points = points;
@@ -67,7 +139,7 @@ nb::tuple run(const std::optional<std::filesystem::path>& cases, std::vector<std
   options.seed = seed;
   options.seeds = seeds;
   const std::optional<int> limit = checked_threads(threads);
-  studies::Comparison comparison = studies::make_comparison(options);
+  studies::Comparison comparison = prepared(options, limit);
   const studies::ComparisonFacts facts{.options = studies::option_texts(options),
                                        .isa = to_string(active_isa()),
                                        .threads = limit.value_or(tbb::info::default_concurrency())};
@@ -93,9 +165,9 @@ nb::tuple run(const std::optional<std::filesystem::path>& cases, std::vector<std
 
 void bind_compare(nb::module_& module) {
   module.def("run_columns", [] { return meanings(studies::kRunColumns); });
-  module.def("run_comparison", &run, nb::arg("cases").none(), nb::arg("synthetic"), nb::arg("trials"),
-             nb::arg("points"), nb::arg("outliers").none(), nb::arg("sigma").none(), nb::arg("tables"),
-             nb::arg("solvers").none(), nb::arg("outside"), nb::arg("time_limit"), nb::arg("filter"),
+  module.def("run_comparison", &run, nb::arg("cases").none(), nb::arg("synthetic"), nb::arg("scans").none(),
+             nb::arg("trials"), nb::arg("points"), nb::arg("outliers").none(), nb::arg("sigma").none(),
+             nb::arg("tables"), nb::arg("solvers").none(), nb::arg("outside"), nb::arg("time_limit"), nb::arg("filter"),
              nb::arg("thresholds"), nb::arg("iterations").none(), nb::arg("iteration_problems"),
              nb::arg("scales").none(), nb::arg("seed"), nb::arg("seeds"), nb::arg("threads").none(),
              nb::arg("folder").none(), nb::arg("fresh"), nb::arg("progress").none());

@@ -81,6 +81,79 @@ def test_a_folder_is_resumed_and_holds_one_comparison(tmp_path):
     assert consimd.compare(**SMALL, seed=2, out=tmp_path, fresh=True).runs["seed"].min() == 2
 
 
+def room(seed, angle, shift):
+    """A scan of a room with boxes, from a place of its own, and the pose from the scanner to the room."""
+    draw, fixed = np.random.default_rng(seed), np.random.default_rng(1)
+    corners, sizes = fixed.uniform([-4, -4, 0], [4, 4, 0.01], (12, 3)), fixed.uniform(0.4, 1.8, (12, 3))
+    walls = draw.uniform([-5, -5, 0], [5, 5, 3], (3, 1500, 3))
+    for axis, value in enumerate((5, 5, 0)):
+        walls[axis, :, axis] = value
+    share = draw.uniform(size=(12, 300, 3))
+    share[np.arange(12)[:, None], np.arange(300), draw.integers(3, size=(12, 300))] = 1
+    points = np.concatenate([walls.reshape(-1, 3), (corners[:, None] + share * sizes[:, None]).reshape(-1, 3)])
+    points += draw.uniform(-0.01, 0.01, points.shape)
+    pose = np.eye(4)
+    pose[:2, :2] = [[np.cos(angle), -np.sin(angle)], [np.sin(angle), np.cos(angle)]]
+    pose[:3, 3] = shift
+    return (points - pose[:3, 3]) @ pose[:3, :3], pose
+
+
+def scans(folder):
+    """A pair of them in the layout pairs."""
+    folder.mkdir()
+    (source, of_source), (target, of_target) = room(1, 0.3, (1, 0.5, 1.5)), room(2, 0, (-1, 0, 1.5))
+    np.save(folder / "a.npy", source)
+    np.save(folder / "b.npy", target)
+    pose = " ".join(map(repr, (np.linalg.inv(of_target) @ of_source).ravel().tolist()))
+    (folder / "pairs.csv").write_text(f"source,target,pose\na.npy,b.npy,{pose}\n")
+
+
+def test_scans_are_those_of_the_command(command, tmp_path):
+    scans(tmp_path / "mine")
+    command(
+        *("compare", "--scans", tmp_path / "mine", "--layout", "pairs", "--voxel", 0.25, "--keypoints", "iss:2000"),
+        *("--matches", "mutual:2", "--table", "data,solvers,pipeline", "--solver", "tcf", "--thresholds", "5,0.5"),
+        *("--out", tmp_path / "cpp"),
+    )
+    told = []
+    runs, tables = consimd.compare(
+        scans=tmp_path / "mine", layout="pairs", front_end={"voxel": 0.25, "keypoints": 2000, "iss": True, "best": 2},
+        tables=["data", "solvers", "pipeline"], solvers="tcf", thresholds="5,0.5", out=tmp_path / "python",
+        progress=lambda done, total: told.append((done, total)),
+    )  # fmt: skip
+    assert told[-1] == (3, 3)
+    assert_holds(runs, rows(tmp_path / "cpp/runs.csv"), times=False)
+    assert runs["method"].tolist() == ["1R", "tcf", "scans+tcf"]
+    assert list(tables) == ["data", "solvers", "pipeline"]
+    options = [json.loads((tmp_path / which / "comparison.json").read_text())["options"] for which in ("cpp", "python")]
+    assert options[0] == options[1]
+    kept = "correspondences/mine_a-b/correspondences.txt"
+    assert (tmp_path / "cpp" / kept).read_bytes() == (tmp_path / "python" / kept).read_bytes()
+
+
+def test_bad_scans_are_named(tmp_path):
+    scans(tmp_path / "mine")
+    mine = {"scans": tmp_path / "mine", "layout": "pairs", "solvers": "tcf"}
+    for options, error, message in (
+        ({"layout": "moon"}, ValueError, "layout: 'moon' is none of"),
+        ({"layout": None}, ValueError, "layout: of scans it is needed"),
+        ({"distance": 3}, ValueError, "distance: it is for the layout kitti"),
+        ({"overlap": (0.1, 0.3)}, ValueError, "overlap: it is for the layout 3dmatch"),
+        ({"pairs": 0}, ValueError, "pairs: expected at least 1"),
+        ({"front_end": {"voxels": 1}}, TypeError, "voxels"),
+        ({"front_end": {"seed": 1}}, TypeError, "front_end: seed is no option of it"),
+        ({"front_end": {"voxel": -1.0}}, ValueError, "voxel: expected a length above 0"),
+        ({"front_end": {"voxel": "wide"}}, TypeError, "voxel: .wide. is of the wrong type"),
+        ({"sequences": "other"}, RuntimeError, "has no sequence, scene or group 'other'"),
+        ({"scans": None}, ValueError, "layout: it is for scans, which are not given"),
+    ):
+        with pytest.raises(error, match=message):
+            consimd.compare(**{**mine, **options})
+    (tmp_path / "mine/b.npy").unlink()
+    with pytest.raises(RuntimeError, match="b.npy: is missing"):
+        consimd.compare(**mine)
+
+
 def test_progress_may_stop_the_comparison(tmp_path):
     def stop(done, total):
         raise LookupError("enough")

@@ -22,7 +22,7 @@ CPP_ALONE = {
     | {"log", "log10", "log1p", "exp", "expm1", "tanh", "cbrt", "sine_cosine", "atan2", "asin", "acos"},
     "poses": {"column_points", "row_points"},
     "synth": {"stand_in", "read_correspondences", "read_pose", "read_scaled_pose", "read_problem", "write_pose",
-              "nearest_pose"}
+              "nearest_pose", "labelled_problem"}
     | {"with_far_rows", "with_rows_without_depth", "repeated_targets", "all_to_all", "symmetric_part"}
     | {"read_text", "remove_abandoned_files"},
     # Files, the parts that match_clouds is made of, and what consimd.features calls normals.

@@ -60,6 +60,8 @@ assert_type(consimd.table_columns()["runs"]["seed"], str)
 
 consimd.register(points)  # type: ignore[call-overload]  # no target
 consimd.register(points, points, noise_bound="0.2")  # type: ignore[call-overload]
+consimd.compare(scans="folder", layout="kitti", sequences=["00"], front_end={"voxel": 0.3}, overlap=(0.1, 0.3))
+consimd.compare(scans="folder", layout="moon")  # type: ignore[arg-type]
 consimd.compare(trials="1")  # type: ignore[arg-type]
 features.fpfh(points, 2.0)  # type: ignore[call-arg]  # no normal_radius
 kernels.alignment_counts(points, points, 1.0)  # type: ignore[arg-type]  # not a Correspondences

@@ -384,18 +384,28 @@ ScaledPose read_scaled_pose(const fs::path& path) {
   return {pose_of(path, matrix.leftCols<3>() / scale, matrix.col(3)), scale};
 }
 
-Problem read_problem(const fs::path& correspondences, const fs::path& pose, double noise_bound) {
-  const Rows rows = read_rows(correspondences, {});
+Problem labelled_problem(std::vector<double> source, std::vector<double> target, const RigidTransform& T_target_source,
+                         double noise_bound) {
   Problem problem;
-  problem.T_target_source = read_pose(pose);
-  for (std::size_t row = 0; row < rows.size(); ++row) {
-    const double* const numbers = rows.values.data() + 6 * row;
-    problem.source.insert(problem.source.end(), numbers, numbers + 3);
-    problem.target.insert(problem.target.end(), numbers + 3, numbers + 6);
-    const Eigen::Map<const Eigen::Vector3d> source(numbers), target(numbers + 3);
-    problem.is_inlier.push_back((problem.T_target_source * source - target).norm() < noise_bound ? 1 : 0);
+  problem.source = std::move(source);
+  problem.target = std::move(target);
+  problem.T_target_source = T_target_source;
+  for (std::size_t k = 0; k < problem.source.size(); k += 3) {
+    const Eigen::Map<const Eigen::Vector3d> p(problem.source.data() + k), q(problem.target.data() + k);
+    problem.is_inlier.push_back((T_target_source * p - q).norm() < noise_bound ? 1 : 0);
   }
   return problem;
+}
+
+Problem read_problem(const fs::path& correspondences, const fs::path& pose, double noise_bound) {
+  const Rows rows = read_rows(correspondences, {});
+  std::vector<double> source, target;
+  for (std::size_t row = 0; row < rows.size(); ++row) {
+    const double* const numbers = rows.values.data() + 6 * row;
+    source.insert(source.end(), numbers, numbers + 3);
+    target.insert(target.end(), numbers + 3, numbers + 6);
+  }
+  return labelled_problem(std::move(source), std::move(target), read_pose(pose), noise_bound);
 }
 
 }  // namespace consimd::synth

@@ -55,9 +55,9 @@ TEST(CompareOptions, PutFilesBeforeSyntheticData) {
   EXPECT_THAT(groups_of(options), ElementsAre("data 1"));
 
   const Case file = make_comparison(options).groups().front().cases.front();
-  EXPECT_EQ(file.noise_bound, 3.0);
+  EXPECT_EQ(file.load().noise_bound, 3.0);
   EXPECT_EQ(file.limits, (PoseLimits{5.0, 0.5}));
-  EXPECT_EQ(file.load().source, problem.source);
+  EXPECT_EQ(file.load().problem.source, problem.source);
 }
 
 TEST(CompareOptions, NameTheFault) {

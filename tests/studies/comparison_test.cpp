@@ -233,7 +233,12 @@ TEST(SuccessLimits, ArePresetsByName) {
   EXPECT_EQ(preset_limits("paper", "KITTI"), (PoseLimits{5.0, 1.0}));
   EXPECT_EQ(preset_limits("kitti06", "KITTI"), (PoseLimits{5.0, 0.6}));
   EXPECT_EQ(preset_limits("3dmatch", "anything"), (PoseLimits{15.0, 0.3}));
+  EXPECT_EQ(preset_limits("5,0.6", "anything"), (PoseLimits{5.0, 0.6}));
   EXPECT_THROW((void)preset_limits("paper", "3DMatch"), std::invalid_argument);
+  EXPECT_THROW((void)preset_limits("3dmatch-rmse", "3DMatch"), std::invalid_argument);
+  for (const char* bad : {"5", "5,", ",1", "0,1", "1,-1", "1,inf", "1,2,3", "1, 2"}) {
+    EXPECT_THROW((void)preset_limits(bad, "ETH"), std::invalid_argument) << bad;
+  }
   EXPECT_THROW((void)preset_limits("magic", "ETH"), std::invalid_argument);
   for (const LimitPreset& preset : limit_presets()) EXPECT_NO_THROW(require_known_preset(preset.name));
 }

@@ -139,6 +139,36 @@ TEST(PaperTables, TellWhatWasRun) {
   EXPECT_THAT(tables[4].caption[1], HasSubstr("RMSE of the true inliers below the noise bound"));
 }
 
+TEST(PaperTables, ThePipelineIsRunOnScans) {
+  TableOptions options = all_tables();
+  options.tables = {"data", "pipeline"};
+  options.outside = {{.name = "mine"}};
+  options.solvers = {"tcf", "mine", "ransac"};
+  EXPECT_NO_THROW(validate(options));
+  EXPECT_THAT(methods_of(options), ElementsAre("1R"));
+  EXPECT_THAT(scan_methods(options), ElementsAre("scans+tcf", "scans+ransac"));
+  CaseGroup group{.name = "arch", .cases = {{.name = "0", .distance = 16.0}, {.name = "1", .distance = 18.0}}};
+  group.methods = {"1R", "scans+tcf", "scans+ransac"};
+  Comparison comparison({group}, 1);
+  for (const auto& [name, success] : {std::pair("0", true), std::pair("1", false)}) {
+    for (const std::string& method : group.methods) {
+      RunRecord run = run_of(method, 0.25, 0.04, success, 0.1);
+      run.case_name = name;
+      run.seed = 1;
+      run.status = method == "scans+tcf" ? "success" : "no_consensus";
+      comparison.put(run);
+    }
+  }
+  const std::vector<TextTable> tables = make_tables(options, comparison);
+  ASSERT_EQ(tables.size(), 2u);
+  EXPECT_THAT(tables[0].rows, ElementsAre(ElementsAre("arch", "2", "17.00", "1000", "10.0")));
+  const std::string errors = "0.250 (0.250)", shifts = "0.040 (0.040)", range = "9.5 - 90.5";
+  EXPECT_THAT(tables[1].rows, ElementsAre(ElementsAre("arch", "tcf", "50.0", range, "50.0", errors, shifts, "100"),
+                                          ElementsAre("arch", "ransac", "50.0", range, "0.0", errors, shifts, "100")));
+  options.solvers = {"mine"};
+  EXPECT_THROW(validate(options), std::invalid_argument);
+}
+
 TEST(PaperTables, ScalesAreThoseOfSolversThatFindThem) {
   TableOptions options = all_tables();
   EXPECT_TRUE(scale_groups(options, 1, 1).empty());

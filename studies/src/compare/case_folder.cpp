@@ -71,12 +71,12 @@ std::string digest_of(const fs::path& folder) {
   return digest.text();
 }
 
-synth::Problem load(const fs::path& folder, double noise_bound, std::string_view digest) {
+CaseData load(const fs::path& folder, double noise_bound, std::string_view digest) {
   synth::Problem problem = synth::read_problem(folder / kCorrespondences, folder / kPose, noise_bound);
   if (digest_of(folder) != digest) {
     throw std::runtime_error(fmt::format("{}: its files have changed since the comparison began", folder.string()));
   }
-  return problem;
+  return {std::move(problem), noise_bound};
 }
 
 }  // namespace
@@ -118,7 +118,6 @@ std::vector<CaseGroup> case_folder_groups(const fs::path& folder, std::uint64_t 
     if (!file.sequence.empty()) group += " " + file.sequence;
     std::string digest = digest_of(recorded);
     groups[group].cases.push_back({.name = recorded.filename().string(),
-                                   .noise_bound = file.noise_bound,
                                    .seed = seed,
                                    .limits = limits_of(file, path, preset),
                                    .digest = digest,

@@ -21,12 +21,12 @@ std::vector<CaseGroup> stand_in_groups(const std::vector<std::string>& names, st
         .provenance = fmt::format("synthetic stand-in for {} {}, not its data", stand_in.dataset, stand_in.sequence),
         .cases = {}};
     for (std::uint32_t pair = 0; pair < pairs; ++pair) {
-      group.cases.push_back(
-          {.name = fmt::format("{}", pair),
-           .noise_bound = stand_in.noise_bound,
-           .seed = seed + pair,
-           .limits = limits,
-           .load = [&stand_in, seed, pair] { return synth::stand_in_problem(stand_in, seed, pair); }});
+      group.cases.push_back({.name = fmt::format("{}", pair),
+                             .seed = seed + pair,
+                             .limits = limits,
+                             .load = [&stand_in, seed, pair]() -> CaseData {
+                               return {synth::stand_in_problem(stand_in, seed, pair), stand_in.noise_bound};
+                             }});
     }
     groups.push_back(std::move(group));
   }
@@ -56,9 +56,10 @@ std::vector<CaseGroup> noise_groups(const NoiseCells& cells) {
                                                .trial = trial,
                                                .scale = cells.scale};
         group.cases.push_back({.name = fmt::format("sigma {:g} trial {}", sigma, trial),
-                               .noise_bound = synth::noise_study_bound(sigma),
                                .seed = cells.seed + trial,
-                               .load = [problem] { return synth::noise_study_problem(problem); }});
+                               .load = [problem]() -> CaseData {
+                                 return {synth::noise_study_problem(problem), synth::noise_study_bound(problem.sigma)};
+                               }});
       }
     }
     groups.push_back(std::move(group));

@@ -51,14 +51,30 @@ Synthetic synthetic_of(const std::vector<std::string>& words) {
   return result;
 }
 
-std::vector<CaseGroup> groups_of(const CompareOptions& options) {
+/// Those of scans, which the whole pipeline runs on as well.
+std::vector<CaseGroup> groups_of_scans(const CompareOptions& options, const PreparationControl& control) {
+  if (!options.scans) return {};
+  ScanOptions scans = *options.scans;
+  scans.layout.seed = options.seed;
+  ScanGroups found = scan_groups(scans, options.tables.preset, control.on_scan);
+  for (const std::string& note : found.notes) {
+    if (control.on_note) control.on_note(note);
+  }
+  for (CaseGroup& group : found.groups) group.methods = scan_methods(options.tables);
+  return std::move(found.groups);
+}
+
+std::vector<CaseGroup> groups_of(const CompareOptions& options, const PreparationControl& control) {
   const TableOptions& tables = options.tables;
   std::vector<CaseGroup> groups;
   const std::vector<std::string> methods = methods_of(tables);
+  if (!methods.empty() || !scan_methods(tables).empty()) groups = groups_of_scans(options, control);
   if (!methods.empty()) {
-    if (!options.cases.empty()) groups = case_folder_groups(options.cases, options.seed, tables.preset);
+    if (!options.cases.empty()) {
+      std::ranges::move(case_folder_groups(options.cases, options.seed, tables.preset), std::back_inserter(groups));
+    }
     std::vector<std::string> words = options.synthetic;
-    if (words.empty() && options.cases.empty()) words = {"stand-ins"};
+    if (words.empty() && options.cases.empty() && !options.scans) words = {"stand-ins"};
     const Synthetic synthetic = synthetic_of(words);
     std::ranges::move(stand_in_groups(synthetic.stand_ins, options.trials, options.seed, tables.preset),
                       std::back_inserter(groups));
@@ -70,7 +86,7 @@ std::vector<CaseGroup> groups_of(const CompareOptions& options) {
                                       .seed = options.seed}),
                         std::back_inserter(groups));
     }
-    for (CaseGroup& group : groups) group.methods = methods;
+    for (CaseGroup& group : groups) group.methods.insert(group.methods.begin(), methods.begin(), methods.end());
   }
   if (!iteration_methods(tables).empty()) {
     groups.push_back(iteration_group(tables, options.iteration_problems, options.seed));
@@ -93,33 +109,39 @@ CompareOptions::CompareOptions()
   tables.solvers = solver_names();
 }
 
-Comparison make_comparison(const CompareOptions& options) {
+Comparison make_comparison(const CompareOptions& options, const std::optional<Shard>& shard,
+                           const PreparationControl& control) {
   validate(options.tables);
+  if (!options.scans && !scan_methods(options.tables).empty()) {
+    throw std::invalid_argument("table pipeline: it is made of scans; name their folder and its layout");
+  }
   if (options.tables.filtered && std::ranges::count(options.tables.tables, "solvers") == 0) {
     throw std::invalid_argument("filter: it is for the table solvers; boost runs with and without");
   }
   require_positive("trials", options.trials);
   require_positive("iteration problems", options.iteration_problems);
   require_positive("seeds", options.seeds);
-  return {groups_of(options), options.seeds, options.tables.outside};
+  return {groups_of(options, control), options.seeds, options.tables.outside, shard};
 }
 
 std::vector<OptionText> option_texts(const CompareOptions& o) {
-  return {{"cases", o.cases},
-          {"synthetic", fmt::format("{}", fmt::join(o.synthetic, ","))},
-          {"trials", fmt::format("{}", o.trials)},
-          {"points", fmt::format("{}", o.points)},
-          {"outliers", o.outliers},
-          {"sigma", o.sigma},
-          {"table", fmt::format("{}", fmt::join(o.tables.tables, ","))},
-          {"solver", fmt::format("{}", fmt::join(o.tables.solvers, ","))},
-          {"filter", o.tables.filtered ? "tcf" : "none"},
-          {"thresholds", o.tables.preset},
-          {"iterations", fmt::format("{}", fmt::join(o.tables.iterations, ","))},
-          {"scales", fmt::format("{}", fmt::join(o.tables.scales, ","))},
-          {"iteration-problems", fmt::format("{}", o.iteration_problems)},
-          {"seed", fmt::format("{}", o.seed)},
-          {"seeds", fmt::format("{}", o.seeds)}};
+  std::vector<OptionText> texts{{"cases", o.cases},
+                                {"synthetic", fmt::format("{}", fmt::join(o.synthetic, ","))},
+                                {"trials", fmt::format("{}", o.trials)},
+                                {"points", fmt::format("{}", o.points)},
+                                {"outliers", o.outliers},
+                                {"sigma", o.sigma},
+                                {"table", fmt::format("{}", fmt::join(o.tables.tables, ","))},
+                                {"solver", fmt::format("{}", fmt::join(o.tables.solvers, ","))},
+                                {"filter", o.tables.filtered ? "tcf" : "none"},
+                                {"thresholds", o.tables.preset},
+                                {"iterations", fmt::format("{}", fmt::join(o.tables.iterations, ","))},
+                                {"scales", fmt::format("{}", fmt::join(o.tables.scales, ","))},
+                                {"iteration-problems", fmt::format("{}", o.iteration_problems)},
+                                {"seed", fmt::format("{}", o.seed)},
+                                {"seeds", fmt::format("{}", o.seeds)}};
+  if (o.scans) std::ranges::move(scan_option_texts(*o.scans), std::back_inserter(texts));
+  return texts;
 }
 
 }  // namespace consimd::studies

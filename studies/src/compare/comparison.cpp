@@ -24,39 +24,52 @@ void require_csv_name(std::string_view what, std::string_view name) {
       fmt::format("{} '{}': expected a name without commas, quotes and line breaks", what, name));
 }
 
-bool succeeds(const Case& tried, const synth::Problem& problem, const Outcome& outcome, const RunRecord& record) {
+bool succeeds(const Case& tried, const CaseData& data, const Outcome& outcome, const RunRecord& record) {
   if (!outcome.has_pose) return false;
-  if (!tried.limits)
-    return synth::rmse_true_inliers(problem, outcome.T_target_source, outcome.scale) < tried.noise_bound;
+  if (tried.displacement) {
+    return root_mean_square_displacement(tried.displacement->information, outcome.T_target_source,
+                                         data.problem.T_target_source) <= tried.displacement->root_mean_square;
+  }
+  if (!tried.limits) {
+    return synth::rmse_true_inliers(data.problem, outcome.T_target_source, outcome.scale) < data.noise_bound;
+  }
   return record.rotation_error_deg <= tried.limits->rotation_deg &&
          record.translation_error <= tried.limits->translation;
 }
 
+/// The data of a case, read when a run first needs them.
 struct Loaded {
-  std::shared_ptr<const synth::Problem> problem;  // outside solvers may keep the points
-  Correspondences correspondences;
+  std::shared_ptr<const CaseData> data = {};  // outside solvers may keep the points
+  Correspondences correspondences = {};
+
+  void require(const Case& from) {
+    if (data) return;
+    data = std::make_shared<const CaseData>(from.load());
+    correspondences = data->problem.correspondences();
+  }
 };
 
-Outcome outcome_on(const Case& on, const Loaded& data, const CaseGroup& group, const std::string& method,
+Outcome outcome_on(const Case& on, const Loaded& loaded, const CaseGroup& group, const std::string& method,
                    std::uint64_t seed, const OutsideSolvers& outside) {
   const std::optional<OutsideMethod> of_others = outside_method(outside, method);
-  if (!of_others) return run_method(method, data.correspondences, on.noise_bound, seed);
-  return run_outside(*of_others->solver, {.problem = data.problem,
-                                          .correspondences = data.correspondences,
-                                          .noise_bound = on.noise_bound,
+  if (!of_others) return run_method(method, loaded.correspondences, loaded.data->noise_bound, seed);
+  return run_outside(*of_others->solver, {.problem = {loaded.data, &loaded.data->problem},
+                                          .correspondences = loaded.correspondences,
+                                          .noise_bound = loaded.data->noise_bound,
                                           .seed = seed,
                                           .filter = of_others->filter,
                                           .name = fmt::format("{} {} with seed {}", group.name, on.name, seed)});
 }
 
-RunRecord record_of(const Outcome& outcome, const Case& on, const synth::Problem& problem, const CaseGroup& group,
+RunRecord record_of(const Outcome& outcome, const Case& on, const CaseData& data, const CaseGroup& group,
                     const std::string& method, std::uint64_t seed) {
+  const synth::Problem& problem = data.problem;
   const RigidTransform& truth = problem.T_target_source;
   RunRecord record{.group = group.name, .case_name = on.name, .method = method, .seed = seed, .status = outcome.status};
   record.rotation_error_deg = outcome.has_pose ? synth::rotation_error_deg(outcome.T_target_source, truth) : kNaN;
   record.translation_error = outcome.has_pose ? synth::translation_error(outcome.T_target_source, truth) : kNaN;
   record.scale_error = outcome.has_pose ? synth::scale_error(outcome.scale, problem.scale) : kNaN;
-  record.success = succeeds(on, problem, outcome, record);
+  record.success = succeeds(on, data, outcome, record);
   record.rows = problem.size();
   record.inliers = static_cast<std::uint64_t>(std::ranges::count(problem.is_inlier, 1));
   record.kept = outcome.kept.size();
@@ -67,12 +80,15 @@ RunRecord record_of(const Outcome& outcome, const Case& on, const synth::Problem
 
 }  // namespace
 
-Comparison::Comparison(std::vector<CaseGroup> groups, std::uint32_t runs, OutsideSolvers outside)
-    : groups_(std::move(groups)), runs_(runs), outside_(std::move(outside)) {
+Comparison::Comparison(std::vector<CaseGroup> groups, std::uint32_t runs, OutsideSolvers outside,
+                       std::optional<Shard> shard)
+    : groups_(std::move(groups)), runs_(runs), outside_(std::move(outside)), shard_(shard) {
+  std::size_t number = 0;
   for (const CaseGroup& group : groups_) {
     require_csv_name("group", group.name);
     for (const Case& tried : group.cases) {
       require_csv_name("case", tried.name);
+      if (const bool of_others = shard_ && !shard_->owns(number++); of_others) continue;
       for (const std::string& method : group.methods) {
         for (std::uint32_t run = 0; run < runs; ++run) {
           const auto [slot, added] =
@@ -87,10 +103,10 @@ Comparison::Comparison(std::vector<CaseGroup> groups, std::uint32_t runs, Outsid
   filled_.resize(slots_.size(), false);
 }
 
-bool Comparison::has(std::size_t group, std::size_t case_index, std::string_view method, std::uint64_t seed) const {
+bool Comparison::lacks(std::size_t group, std::size_t case_index, std::string_view method, std::uint64_t seed) const {
   const CaseGroup& place = groups_[group];
   const auto slot = slots_.find(Key(place.name, place.cases[case_index].name, method, seed));
-  return slot != slots_.end() && filled_[slot->second];
+  return slot != slots_.end() && !filled_[slot->second];
 }
 
 void Comparison::put(RunRecord record) {
@@ -130,19 +146,22 @@ void run_comparison(Comparison& comparison, const ComparisonControl& control) {
       const CaseGroup& group = comparison.groups()[g];
       if (k >= group.cases.size()) continue;
       const Case& tried = group.cases[k];
-      Loaded data;
+      Loaded loaded;
       for (std::uint32_t r = 0; r < comparison.runs(); ++r) {
         for (const std::string& method : group.methods) {
-          if (comparison.has(g, k, method, tried.seed + r)) continue;
-          if (control.stop_requested && control.stop_requested()) return;
-          if (!data.problem) {
-            data.problem = std::make_shared<const synth::Problem>(tried.load());
-            data.correspondences = data.problem->correspondences();
-          }
           const std::uint64_t seed = tried.seed + r;
-          const Outcome outcome = outcome_on(tried, data, group, method, seed, comparison.outside());
-          if (control.on_failure && !outcome.failure.empty()) control.on_failure(outcome.failure);
-          RunRecord record = record_of(outcome, tried, *data.problem, group, method, seed);
+          if (!comparison.lacks(g, k, method, seed)) continue;
+          if (control.stop_requested && control.stop_requested()) return;
+          RunRecord record;
+          if (const std::optional<std::string_view> solver = pipeline_solver(method)) {
+            const ScanRun run = tried.register_scans(*solver, seed);
+            record = record_of(run.outcome, tried, run.data, group, method, seed);
+          } else {
+            loaded.require(tried);
+            const Outcome outcome = outcome_on(tried, loaded, group, method, seed, comparison.outside());
+            if (control.on_failure && !outcome.failure.empty()) control.on_failure(outcome.failure);
+            record = record_of(outcome, tried, *loaded.data, group, method, seed);
+          }
           if (control.on_run) control.on_run(record);
           comparison.put(std::move(record));
         }

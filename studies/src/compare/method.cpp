@@ -23,6 +23,7 @@ namespace {
 
 constexpr std::string_view kFilterPrefix = "tcf+";
 constexpr std::string_view kScalePrefix = "scale+";
+constexpr std::string_view kScansPrefix = "scans+";
 constexpr std::string_view kPlainRansacPrefix = "plain-ransac-";
 // By the triangle inequality no sample of inliers has lengths that differ by more, in noise bounds.
 constexpr double kHarmlessLengthTolerance = 2.0;
@@ -124,9 +125,14 @@ std::optional<OutsideMethod> outside_method(const OutsideSolvers& outside, std::
   return OutsideMethod{solver, filtered ? Filter::tcf : Filter::none};
 }
 
+std::optional<std::string_view> pipeline_solver(std::string_view name) noexcept {
+  if (!name.starts_with(kScansPrefix)) return std::nullopt;
+  return name.substr(kScansPrefix.size());
+}
+
 std::string option_values(std::string_view name) {
   if (plain_ransac_iterations(name) || stages_of(name)) return {};
-  for (const std::string_view prefix : {kFilterPrefix, kScalePrefix}) {
+  for (const std::string_view prefix : {kFilterPrefix, kScalePrefix, kScansPrefix}) {
     if (name.starts_with(prefix)) name.remove_prefix(prefix.size());
   }
   const SolverChoice choice(name);
@@ -140,6 +146,8 @@ std::string option_values(std::string_view name) {
 std::string after_filter(std::string_view solver) { return fmt::format("{}{}", kFilterPrefix, solver); }
 
 std::string with_scale(std::string_view solver) { return fmt::format("{}{}", kScalePrefix, solver); }
+
+std::string from_scans(std::string_view solver) { return fmt::format("{}{}", kScansPrefix, solver); }
 
 std::string plain_ransac(std::uint32_t iterations) { return fmt::format("{}{}", kPlainRansacPrefix, iterations); }
 

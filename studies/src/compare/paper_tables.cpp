@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <map>
+#include <optional>
 #include <set>
 #include <stdexcept>
 
@@ -20,7 +21,9 @@ namespace consimd::studies {
 namespace {
 
 constexpr TableInfo kTables[] = {
+    {"data", "what the data are: distances, correspondences, inliers"},
     {"solvers", "recall, errors and time of each solver"},
+    {"pipeline", "the whole way from scans to a verified pose, of --scans"},
     {"boost", "each solver alone and after TCF's filter"},
     {"stages", "outlier removal by the stages of TCF"},
     {"poses", "3R against IRLS against both, after 1R+2R"},
@@ -30,6 +33,7 @@ constexpr TableInfo kTables[] = {
 
 constexpr std::array kStages{"1R", "2R", "3R", "1R+2R", "1R+3R", "2R+3R", "1R+2R+3R"};
 constexpr std::array kPoses{"1R+2R+3R", "1R+2R+IRLS", "1R+2R+3R+IRLS"};
+constexpr std::string_view kInputStage = "1R";       // the cheapest method that tells what the data are
 constexpr std::string_view kFilterStages = "1R+2R";  // what TCF's filter keeps
 
 constexpr std::string_view kIterationGroup = "2 % inliers";
@@ -67,7 +71,10 @@ std::string success_caption(const TableOptions& options, const std::vector<const
   for (const CaseGroup* group : groups) {
     std::set<std::string> limits;
     for (const Case& tried : group->cases) {
-      limits.insert(tried.limits ? to_string(*tried.limits) : "RMSE of the true inliers below the noise bound");
+      limits.insert(tried.displacement ? fmt::format("RMSE of the overlap's points at most {:g} m",
+                                                     tried.displacement->root_mean_square)
+                    : tried.limits     ? to_string(*tried.limits)
+                                       : "RMSE of the true inliers below the noise bound");
     }
     names[fmt::format("{}", fmt::join(limits, " or "))].push_back(group->name);
   }
@@ -108,7 +115,9 @@ class TableMaker {
   }
 
   [[nodiscard]] TextTable make(std::string_view name) const {
+    if (name == "data") return data();
     if (name == "solvers") return solvers();
+    if (name == "pipeline") return pipeline();
     if (name == "boost") return boost();
     if (name == "stages") return stages();
     if (name == "poses") return poses();
@@ -127,6 +136,48 @@ class TableMaker {
                                      runs_caption(comparison_)};
     caption.insert(caption.end(), more.begin(), more.end());
     return caption;
+  }
+
+  [[nodiscard]] TextTable data() const {
+    TextTable table{.name = "data",
+                    .title = "Data",
+                    .caption = {data_caption(groups_), runs_caption(comparison_),
+                                "Distance: between the scans of a case, mean. |C| and inliers: means of "
+                                "correspondences, and of the share of them within the noise bound of the true pose."},
+                    .columns = {"data", "cases", "distance m", "|C|", "inliers %"},
+                    .rows = {}};
+    for (const CaseGroup* group : groups_) {
+      double distance = 0.0;
+      for (const Case& tried : group->cases) distance += tried.distance / static_cast<double>(group->cases.size());
+      const RunStatistics s = statistics_of(*group, kInputStage);
+      table.rows.push_back({group->name, fmt::format("{}", group->cases.size()), metres(distance), count(s.rows),
+                            percent(s.inlier_ratio)});
+    }
+    return table;
+  }
+
+  [[nodiscard]] TextTable pipeline() const {
+    TextTable table{
+        .name = "pipeline",
+        .title = "From scans to a verified pose",
+        .caption = captions({"The whole pipeline on the points: voxels, features, matches, solver, and the decision of "
+                             "the scans over its pose; as `consimd register SOURCE TARGET`.",
+                             "Wrong: poses that are called a success and are outside of the limits.", kErrorsCaption,
+                             "Time: median of all of it, from points in memory."}),
+        .columns = {"data", "solver", "recall %", "95 % interval", "wrong %", "rotation error deg",
+                    "translation error m", "time ms"},
+        .rows = {}};
+    for (const CaseGroup* group : groups_) {
+      for (const std::string& method : group->methods) {
+        const std::optional<std::string_view> solver = pipeline_solver(method);
+        if (!solver) continue;
+        const RunStatistics s = statistics_of(*group, method);
+        table.rows.push_back({group->name, std::string(*solver), percent(s.recall), interval(s.recall_interval),
+                              percent(s.wrong), error(s.rotation_deg), error(s.translation),
+                              milliseconds(s.seconds_median)});
+      }
+    }
+    return table;
   }
 
   [[nodiscard]] TextTable solvers() const {
@@ -300,6 +351,9 @@ void validate(const TableOptions& options) {
       throw std::invalid_argument(fmt::format("scales: expected a finite number > 0, got {}", scale));
     }
   }
+  if (wanted(options, "pipeline") && scan_methods(options).empty()) {
+    throw std::invalid_argument("table pipeline: it runs consimd's own solvers, of which none is given");
+  }
   if (wanted(options, "scales") && scale_methods(options).empty()) {
     std::vector<std::string_view> able;
     for (const Solver& solver : solvers()) {
@@ -315,6 +369,7 @@ std::vector<std::string> methods_of(const TableOptions& options) {
   const auto add = [&](std::string_view method) {
     if (std::ranges::find(methods, method) == methods.end()) methods.emplace_back(method);
   };
+  if (wanted(options, "data")) add(kInputStage);
   for (const std::string& solver : options.solvers) {
     if (wanted(options, "boost") || (wanted(options, "solvers") && !options.filtered)) add(solver);
     if (wanted(options, "boost") || (wanted(options, "solvers") && options.filtered)) add(after_filter(solver));
@@ -322,6 +377,15 @@ std::vector<std::string> methods_of(const TableOptions& options) {
   if (wanted(options, "boost")) add(kFilterStages);
   if (wanted(options, "stages")) std::ranges::for_each(kStages, add);
   if (wanted(options, "poses")) std::ranges::for_each(kPoses, add);
+  return methods;
+}
+
+std::vector<std::string> scan_methods(const TableOptions& options) {
+  std::vector<std::string> methods;
+  if (!wanted(options, "pipeline")) return methods;
+  for (const std::string& solver : options.solvers) {
+    if (find_outside(options.outside, solver) == nullptr) methods.push_back(from_scans(solver));
+  }
   return methods;
 }
 

@@ -5,6 +5,8 @@
 
 #include <fmt/format.h>
 
+#include <consimd/solvers/registration.hpp>
+
 namespace consimd::studies {
 namespace {
 
@@ -38,13 +40,14 @@ std::string three_digits(double number) {
 
 RunStatistics run_statistics(const std::vector<RunRecord>& runs) {
   const auto n = static_cast<double>(runs.size());
-  std::size_t successes = 0;
+  std::size_t successes = 0, wrong = 0;
   std::vector<double> seconds;
   RunStatistics s{.largest_scale_error = kNaN};  // which std::fmax passes over
   for (const RunRecord& run : runs) {
     const auto rows = static_cast<double>(run.rows), inliers = static_cast<double>(run.inliers);
     const auto kept = static_cast<double>(run.kept), kept_inliers = static_cast<double>(run.kept_inliers);
     successes += run.success ? 1U : 0U;
+    wrong += !run.success && run.status == to_string(Status::success) ? 1U : 0U;
     seconds.push_back(run.seconds);
     if (run.has_pose()) s.largest_scale_error = std::fmax(s.largest_scale_error, run.scale_error);
     s.rows += rows / n;
@@ -60,6 +63,7 @@ RunStatistics run_statistics(const std::vector<RunRecord>& runs) {
     }
   }
   s.recall = runs.empty() ? kNaN : static_cast<double>(successes) / n;
+  s.wrong = runs.empty() ? kNaN : static_cast<double>(wrong) / n;
   s.recall_interval = wilson_interval(successes, runs.size());
   s.rotation_deg = error_statistics(runs, [](const RunRecord& run) { return run.rotation_error_deg; });
   s.translation = error_statistics(runs, [](const RunRecord& run) { return run.translation_error; });
@@ -80,6 +84,8 @@ std::string error(const ErrorStatistics& errors) {
 }
 
 std::string milliseconds(double seconds) { return three_digits(1e3 * seconds); }
+
+std::string metres(double length) { return std::isfinite(length) ? fmt::format("{:.2f}", length) : "-"; }
 
 std::string count(double number) { return std::isfinite(number) ? fmt::format("{:.0f}", number) : "-"; }
 

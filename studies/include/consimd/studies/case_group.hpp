@@ -1,9 +1,11 @@
 // The data of a comparison.
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <functional>
+#include <limits>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -12,23 +14,41 @@
 #include <consimd/kernels/export.hpp>
 #include <consimd/synth/problem.hpp>
 
+#include <consimd/studies/outcome.hpp>
 #include <consimd/studies/success_limits.hpp>
 
 namespace consimd {
 namespace CONSIMD_EXPORT studies {
 
+/// What a solver is given, and the truth about it.
+struct CaseData {
+  synth::Problem problem;    ///< is_inlier says which rows an outlier removal should keep
+  double noise_bound = 0.0;  ///< largest residual of an inlier
+};
+
+/// What the whole pipeline made of two scans.
+struct ScanRun {
+  Outcome outcome;  ///< its rows are those of the data; its time is that of all stages, from points in memory to pose
+  CaseData data;    ///< the matches that the pose was found on
+};
+
 /// A registration problem with its truth.
 struct Case {
-  std::string name;          ///< within its group
-  double noise_bound = 0.0;  ///< what a solver is given
-  std::uint64_t seed = 1;    ///< of the first run
+  std::string name;        ///< within its group
+  std::uint64_t seed = 1;  ///< of the first run
   /// What counts as a success. None: the root mean square residual of the true inliers must be below the noise bound,
-  /// the noise study's measure.
+  /// the noise study's measure, unless `displacement` says otherwise.
   std::optional<PoseLimits> limits = {};
+  std::optional<DisplacementLimit> displacement = {};
   /// Hash of the files that it is read from; empty where it is made.
   std::string digest = {};
-  /// The problem; is_inlier says which rows an outlier removal should keep. May throw what the data's reader throws.
-  std::function<synth::Problem()> load = {};
+  /// Between the scans, in their unit; NaN where it is not known before the problem is.
+  double distance = std::numeric_limits<double>::quiet_NaN();
+  /// The problem. May throw what the data's reader throws.
+  std::function<CaseData()> load = {};
+  /// Registers the scans themselves with a solver and a seed, their own verification included; nothing where there are
+  /// no scans.
+  std::function<ScanRun(std::string_view solver, std::uint64_t seed)> register_scans = {};
 };
 
 /// Cases that stand in one block of a table.

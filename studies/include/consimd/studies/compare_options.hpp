@@ -3,6 +3,8 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <functional>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -10,15 +12,18 @@
 #include <consimd/studies/comparison.hpp>
 #include <consimd/studies/comparison_folder.hpp>
 #include <consimd/studies/paper_tables.hpp>
+#include <consimd/studies/scan_cases.hpp>
+#include <consimd/studies/shard.hpp>
 
 namespace consimd {
 namespace CONSIMD_EXPORT studies {
 
 /// Defaults: all solvers on the stand-ins, the table "solvers".
 struct CompareOptions {
-  std::string cases = {};  ///< folder of cases, see `case_folder_groups`; empty: none
+  std::string cases = {};                 ///< folder of cases, see `case_folder_groups`; empty: none
+  std::optional<ScanOptions> scans = {};  ///< real scans; the layout's seed is that of the data below
   /// Names of stand-ins, "stand-ins" (all), "eth", "kitti", "noise" (cells of the noise study). Empty: all stand-ins,
-  /// unless there are cases.
+  /// unless there are cases or scans.
   std::vector<std::string> synthetic = {};
   std::uint32_t trials = 20;  ///< problems of each stand-in, noise cell, and scale with its noise
   std::size_t points = 3000;  ///< correspondences of a noise cell's problem
@@ -33,9 +38,17 @@ struct CompareOptions {
   CompareOptions();
 };
 
-/// The runs that the options ask for, none of them done. Throws std::invalid_argument on a bad value, and what reading
-/// a folder of cases throws.
-[[nodiscard]] Comparison make_comparison(const CompareOptions& options);
+/// What is told while a comparison is put together.
+struct PreparationControl {
+  std::function<void(std::size_t done, std::size_t all)> on_scan = {};  ///< see `scan_groups`
+  std::function<void(const std::string&)> on_note = {};                 ///< a sentence on what a data set lacks
+};
+
+/// The runs that the options ask for, or those of a shard, none of them done. Throws std::invalid_argument on a bad
+/// value, and what reading a folder of cases or scans throws.
+[[nodiscard]] Comparison make_comparison(const CompareOptions& options,
+                                         const std::optional<Shard>& shard = std::nullopt,
+                                         const PreparationControl& control = {});
 
 /// All that decides what is run, as comparison.json tells it.
 [[nodiscard]] std::vector<OptionText> option_texts(const CompareOptions& options);

@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <functional>
 #include <map>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <tuple>
@@ -13,27 +14,33 @@
 #include <consimd/studies/case_group.hpp>
 #include <consimd/studies/outside_solver.hpp>
 #include <consimd/studies/run_record.hpp>
+#include <consimd/studies/shard.hpp>
 
 namespace consimd {
 namespace CONSIMD_EXPORT studies {
 
-/// All runs of a comparison, done or not. The order is that of groups, cases, methods and seeds, whoever fills it in,
-/// and when.
+/// All runs of a comparison, or of a shard of it, done or not. The order is that of groups, cases, methods and seeds,
+/// whoever fills it in, and when.
 class Comparison {
  public:
   /// Every method of a group runs `runs` times on each of its cases, with the case's seed, seed + 1, ... A method may
-  /// be the name of one of `outside`, alone or after TCF's filter ("tcf+mine"). Throws std::invalid_argument on a
-  /// method or a case that is there twice and on a name that a CSV table cannot hold.
-  Comparison(std::vector<CaseGroup> groups, std::uint32_t runs, OutsideSolvers outside = {});
+  /// be the name of one of `outside`, alone or after TCF's filter ("tcf+mine"). A shard has the runs on its cases
+  /// alone, which are numbered through all groups. Throws std::invalid_argument on a method or a case that is there
+  /// twice and on a name that a CSV table cannot hold.
+  Comparison(std::vector<CaseGroup> groups, std::uint32_t runs, OutsideSolvers outside = {},
+             std::optional<Shard> shard = std::nullopt);
 
   [[nodiscard]] const std::vector<CaseGroup>& groups() const noexcept { return groups_; }
   [[nodiscard]] std::uint32_t runs() const noexcept { return runs_; }
   [[nodiscard]] const OutsideSolvers& outside() const noexcept { return outside_; }
+  [[nodiscard]] const std::optional<Shard>& shard() const noexcept { return shard_; }
   [[nodiscard]] std::size_t size() const noexcept { return slots_.size(); }
   [[nodiscard]] std::size_t filled() const noexcept { return filled_count_; }
   [[nodiscard]] bool complete() const noexcept { return filled() == size(); }
 
-  [[nodiscard]] bool has(std::size_t group, std::size_t case_index, std::string_view method, std::uint64_t seed) const;
+  /// Whether that run is of the comparison and not done.
+  [[nodiscard]] bool lacks(std::size_t group, std::size_t case_index, std::string_view method,
+                           std::uint64_t seed) const;
 
   /// Fills the record's slot; one that is there already stays. Throws std::invalid_argument if the record is not of
   /// this comparison.
@@ -50,6 +57,7 @@ class Comparison {
   std::vector<CaseGroup> groups_;
   std::uint32_t runs_;
   OutsideSolvers outside_;
+  std::optional<Shard> shard_;
   std::map<Key, std::size_t, std::less<>> slots_;
   std::vector<RunRecord> records_;
   std::vector<bool> filled_;

@@ -26,23 +26,26 @@ struct ComparisonFacts {
   int threads = 1;
 };
 
+/// Where the folder of a comparison keeps the correspondences of scans: see `ScanOptions::cache`.
+[[nodiscard]] std::filesystem::path correspondences_folder(const std::filesystem::path& folder);
+
 /// The output folder of a comparison: comparison.json (what was run, on what data, by what, on what), runs.csv (a row a
-/// run), tables.md and a CSV file a table. runs.csv grows by a whole line a run; a line that a crash cut short is
-/// dropped on resuming. Functions throw std::runtime_error that names the file.
+/// run), tables.md and a CSV file a table. That of a shard has no tables: its groups lack cases. runs.csv grows by a
+/// whole line a run; a line that a crash cut short is dropped on resuming. Functions throw std::runtime_error that
+/// names the file.
 class ComparisonFolder {
  public:
   /// Opens or makes the folder, puts the runs of an earlier call into `comparison`, and gets ready to append. A folder
   /// that holds another comparison is an error that names the difference, unless `fresh`: then its files are removed.
-  /// So is a folder that another process has open.
+  /// So is a folder that another process has open. Correspondences of scans, in `correspondences_folder`, go with it.
   ComparisonFolder(std::filesystem::path folder, Comparison& comparison, const ComparisonFacts& facts, bool fresh);
 
   void append(const RunRecord& record);
 
-  /// Writes the tables, the sorted runs and the summary of a comparison, finished or not.
+  /// Writes the tables, the sorted runs and the summary of a comparison, finished or not. Of a shard no tables.
   void write(const Comparison& comparison, const std::vector<TextTable>& tables, const ComparisonFacts& facts);
 
  private:
-  void remove_comparison();
   void resume(Comparison& comparison, const ComparisonFacts& facts);
   void open_runs();
 

@@ -22,7 +22,8 @@ namespace CONSIMD_EXPORT studies {
 ///                         and three-point RANSAC, scale-adaptive Cauchy IRLS. 3R and IRLS give a pose
 ///   "plain-ransac-10000"  three-point RANSAC of as many samples, neither stopped early nor locally optimised; a length
 ///                         check, which no sample of inliers fails, spares it fits
-/// Throws std::invalid_argument on another name.
+/// Throws std::invalid_argument on another name. That of the pipeline runs on scans, not on correspondences: see
+/// `Case::register_scans`.
 [[nodiscard]] Outcome run_method(std::string_view name, const Correspondences& correspondences, double noise_bound,
                                  std::uint64_t seed);
 
@@ -38,6 +39,9 @@ struct OutsideMethod {
 /// None if the method runs no solver of `outside`.
 [[nodiscard]] std::optional<OutsideMethod> outside_method(const OutsideSolvers& outside, std::string_view name);
 
+/// The solver of a method that is the whole pipeline, from scans to a verified pose: "scans+tcf". None of another.
+[[nodiscard]] std::optional<std::string_view> pipeline_solver(std::string_view name) noexcept;
+
 /// The values of all options, defaults included, of the solver that a method runs; empty for stages and plain RANSAC.
 /// Throws as above.
 [[nodiscard]] std::string option_values(std::string_view name);
@@ -45,6 +49,7 @@ struct OutsideMethod {
 /// The names above, put together.
 [[nodiscard]] std::string after_filter(std::string_view solver);
 [[nodiscard]] std::string with_scale(std::string_view solver);
+[[nodiscard]] std::string from_scans(std::string_view solver);
 [[nodiscard]] std::string plain_ransac(std::uint32_t iterations);
 
 }  // namespace studies

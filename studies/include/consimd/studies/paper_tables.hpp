@@ -20,16 +20,16 @@ struct TableInfo {
   std::string_view description;
 };
 
-/// "solvers", "boost", "stages", "poses", "iterations" and "scales".
+/// "data", "solvers", "pipeline", "boost", "stages", "poses", "iterations" and "scales".
 [[nodiscard]] std::span<const TableInfo> paper_tables() noexcept;
 
 /// What is to be run and told.
 struct TableOptions {
-  std::vector<std::string> tables;        ///< names of paper_tables()
-  std::vector<std::string> solvers;       ///< of "solvers" and "boost", as SolverChoice takes them, or outside ones
-  OutsideSolvers outside = {};            ///< those that `solvers` names
-  bool filtered = false;                  ///< "solvers" after TCF's filter
-  std::string preset = "case";            ///< of success limits, told in captions
+  std::vector<std::string> tables;   ///< names of paper_tables()
+  std::vector<std::string> solvers;  ///< of "solvers", "pipeline", "boost", as SolverChoice takes them, or outside ones
+  OutsideSolvers outside = {};       ///< those that `solvers` names
+  bool filtered = false;             ///< "solvers" after TCF's filter
+  std::string preset = "case";       ///< of success limits, told in captions
   std::vector<std::uint32_t> iterations;  ///< of "iterations"
   std::vector<double> scales;             ///< of "scales"
 };
@@ -38,8 +38,10 @@ struct TableOptions {
 /// none of which finds the scale.
 void validate(const TableOptions& options);
 
-/// The methods that the tables but "iterations" and "scales" need on a group of cases; those that these need.
+/// The methods that the tables but "iterations" and "scales" need on a group of cases; those that "pipeline" needs as
+/// well where there are scans, of consimd's own solvers; those that the other two need.
 [[nodiscard]] std::vector<std::string> methods_of(const TableOptions& options);
+[[nodiscard]] std::vector<std::string> scan_methods(const TableOptions& options);
 [[nodiscard]] std::vector<std::string> iteration_methods(const TableOptions& options);
 [[nodiscard]] std::vector<std::string> scale_methods(const TableOptions& options);
 

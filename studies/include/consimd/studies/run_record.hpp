@@ -38,7 +38,8 @@ inline constexpr std::tuple kRunColumns{
     Column{"group", &RunRecord::group,
            "cases that stand in one block of a table: a data set, a stand-in, a noise cell"},
     Column{"case", &RunRecord::case_name, "name of the case within its group"},
-    Column{"method", &RunRecord::method, "solver, solver after TCF's filter, or stages of TCF"},
+    Column{"method", &RunRecord::method,
+           "solver, solver after TCF's filter, whole pipeline from scans, or stages of TCF"},
     Column{"seed", &RunRecord::seed, "the method's seed"},
     Column{"status", &RunRecord::status,
            "why the solver stopped; of stages: pose, no_pose, or rows (a set without one); crashed or "

@@ -21,6 +21,7 @@ struct ErrorStatistics {
 struct RunStatistics {
   double recall = 0.0;
   Interval recall_interval = {};
+  double wrong = 0.0;  ///< share of the runs that call a pose outside of the limits a success
   ErrorStatistics rotation_deg = {};
   ErrorStatistics translation = {};
   double seconds_median = 0.0;
@@ -43,6 +44,7 @@ struct RunStatistics {
 [[nodiscard]] std::string error(const ErrorStatistics& of);
 [[nodiscard]] std::string milliseconds(double seconds);
 [[nodiscard]] std::string count(double number);
+[[nodiscard]] std::string metres(double length);
 
 }  // namespace studies
 }  // namespace consimd

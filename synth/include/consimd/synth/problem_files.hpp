@@ -8,6 +8,7 @@
 #include <cstddef>
 #include <filesystem>
 #include <span>
+#include <vector>
 
 #include <consimd/kernels/correspondences.hpp>
 #include <consimd/kernels/export.hpp>
@@ -57,6 +58,11 @@ struct ScaledPose {
 /// Reads one pose in the same forms, whose matrix is [s R t], R a rotation as above, s > 0. Throws std::runtime_error
 /// that names the file.
 [[nodiscard]] ScaledPose read_scaled_pose(const std::filesystem::path& path);
+
+/// A problem of real data: rows of `source` and `target`, N x 3 each, with the true pose. Rows within `noise_bound` of
+/// it are the inliers.
+[[nodiscard]] Problem labelled_problem(std::vector<double> source, std::vector<double> target,
+                                       const RigidTransform& T_target_source, double noise_bound);
 
 /// Reads a problem of real data: its correspondences, and the rigid true pose. Rows within `noise_bound` of that pose
 /// are the inliers. Throws std::runtime_error that names the file.
