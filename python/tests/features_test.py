@@ -155,7 +155,7 @@ def test_normals_keep_the_rows_of_the_input():
 
 
 def test_farthest_subset_spreads():
-    points = np.r_[np.random.default_rng(1).random((5000, 3)) * 0.01, [[0, 0, 9], [np.nan, 0, 0], [0, 9, 0], [9, 0, 0]]]
+    points = np.r_[np.random.default_rng(1).random((5000, 3)) * 0.1, [[0, 0, 9], [np.nan, 0, 0], [0, 9, 0], [9, 0, 0]]]
     rows = features.farthest_subset(points, 4)
     assert set(rows[1:]) == {5000, 5002, 5003} and rows[0] < 5000
     assert features.farthest_subset(points, 4, seed=2)[0] != rows[0]

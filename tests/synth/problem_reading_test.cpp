@@ -178,7 +178,7 @@ TEST_F(ColumnsTest, AreUnderstoodWhereTheyTell) {
 }
 
 TEST_F(ColumnsTest, AreAskedForWhereTheyDoNot) {
-  const auto scored = [](int k) { return point(k) + ",0.5"; };
+  const auto scored = [](int k) { return "0.5," + point(k); };
   const auto refused = [&](const std::string& text, const std::string& says, std::vector<std::size_t> columns = {}) {
     EXPECT_THAT([&] { (void)read(text, columns); }, testing::ThrowsMessage<std::exception>(testing::HasSubstr(says)));
   };
