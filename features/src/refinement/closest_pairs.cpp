@@ -102,14 +102,14 @@ ClosestPairs::Found ClosestPairs::search(CellWalk& walk, const std::array<float,
           first - max_distance_ - kRounding};
 }
 
-void ClosestPairs::move(const RigidTransform& T_target_source) {
+void ClosestPairs::move(const RigidTransform& T_target_source, std::size_t stride) {
   const WorkingMotion motion(T_target_source, source_scale_, source_origin_, target_.cloud());
   const CloudView target = target_.cloud().view();
   tbb::parallel_for(std::size_t{0}, (size() + kPairBlock - 1) / kPairBlock, [&](std::size_t block) {
     CellWalk walk(target_);
     const std::size_t end = std::min(size(), (block + 1) * kPairBlock);
     std::uint32_t last = kNone;  // the nearest of the entry before, a neighbour
-    for (std::size_t i = block * kPairBlock; i < end; ++i) {
+    for (std::size_t i = block * kPairBlock; i < end; i += stride) {
       const std::array<float, 3> x = motion(sources_[i]);
       points_[i] = x;
       pairs_[i] = kNone;
@@ -117,14 +117,13 @@ void ClosestPairs::move(const RigidTransform& T_target_source) {
       const float gone = distance(x, found.at) + kRounding;
       if (gone < found.none) continue;
       if (!(gone < found.still)) {
-        found = search(walk, x, found.row == kNone ? last : found.row, searched_ ? gone : 0.0f);
+        found = search(walk, x, found.row == kNone ? last : found.row, found.is_known() ? gone : 0.0f);
       }
       if (found.row == kNone) continue;
       last = found.row;
       if (distance(x, point_of(target, found.row)) <= max_distance_) pairs_[i] = found.row;
     }
   });
-  searched_ = true;
 }
 
 }  // namespace consimd::features::detail

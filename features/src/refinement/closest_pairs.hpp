@@ -28,7 +28,8 @@ class ClosestPairs {
 
   /// Moves the source and finds its pairs. A search is left out where the point has moved by less than half of what the
   /// second nearest point was further away than the nearest: by the triangle inequality it is the nearest still.
-  void move(const RigidTransform& T_target_source);
+  /// `stride`: only every so many entries are moved and paired; the others are no pairs if they never were.
+  void move(const RigidTransform& T_target_source, std::size_t stride = 1);
 
   [[nodiscard]] std::size_t size() const noexcept { return rows_.size(); }
   /// Row of the source that entry i is: entries that follow one another are neighbours.
@@ -47,6 +48,9 @@ class ClosestPairs {
     std::uint32_t row = kNone;
     float still = -1.0f;  ///< the nearest stays the nearest within this distance of `at`
     float none = -1.0f;   ///< no point is within max_distance within this distance of `at`
+
+    /// Whether there was a search: one that finds nothing reaches further than pairs do.
+    [[nodiscard]] bool is_known() const noexcept { return row != kNone || none >= 0.0f; }
   };
 
   /// `guess`: a row that may be near, or kNone; `gone`: how far the point has come since it was last looked for.
@@ -62,7 +66,6 @@ class ClosestPairs {
   std::vector<std::array<float, 3>> points_;
   std::vector<Found> found_;
   std::vector<std::uint32_t> pairs_;
-  bool searched_ = false;
 };
 
 }  // namespace consimd::features::detail

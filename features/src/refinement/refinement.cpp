@@ -36,6 +36,11 @@ constexpr double kLeastShare = 0.0076;
 // A step is too small to matter where it moves the points by less than this share of the residuals' deviation.
 constexpr double kSmallStep = 1e-2;
 constexpr std::size_t kFewestPairs = 6;
+// Of clouds that leave a thousand points then, every eighth is moved until a step is below a quarter of the residuals'
+// deviation: what is looked for far from the end need not be exact.
+constexpr std::size_t kStride = 8;
+constexpr std::size_t kFewestToThin = 8 * 1024;
+constexpr double kCoarseStep = 0.25;
 
 void check(const Cloud& source, const Cloud& target, const RigidTransform& start, const RefinementOptions& options) {
   if (options.max_distance && !(std::isfinite(*options.max_distance) && *options.max_distance > 0.0)) {
@@ -203,7 +208,8 @@ Refinement refine(const Cloud& source, const Cloud& target, const RigidTransform
   const double unit = grid.cloud().scale();
   const Eigen::Vector3d origin = Eigen::Map<const Eigen::Vector3d>(grid.cloud().origin().data());
   detail::ClosestPairs pairs(source, grid, result.max_distance, start);
-  pairs.move(start);
+  std::size_t stride = source.size() < kFewestToThin ? 1 : kStride;
+  pairs.move(start, stride);
   const Eigen::Vector3d centre = centre_of(pairs);
   const Eigen::Vector3d caller_centre = origin + centre / unit;
   NormalEquations sums;
@@ -212,6 +218,11 @@ Refinement refine(const Cloud& source, const Cloud& target, const RigidTransform
     const double scale = terms.scale();
     sums = terms.sum(scale);
     result.pairs = sums.pairs;
+    if (stride > 1 && sums.pairs < kFewestPairs) {
+      stride = 1;
+      pairs.move(result.T_target_source);
+      continue;
+    }
     if (sums.pairs < kFewestPairs) {
       result.status = RefinementStatus::too_few_pairs;
       break;
@@ -219,7 +230,10 @@ Refinement refine(const Cloud& source, const Cloud& target, const RigidTransform
     result.rmse = std::sqrt(sums.squared_length / static_cast<double>(sums.pairs)) / unit;
     result.residual_scale = scale / unit;
     const Step step = step_of(sums);
-    const bool small = step.size <= kSmallStep * scale;
+    const bool last = result.iterations + 1 == options.max_iterations;
+    const bool thinned = stride > 1;
+    if (thinned && (last || step.size <= kCoarseStep * scale)) stride = 1;
+    const bool small = !thinned && step.size <= kSmallStep * scale;
     if (small || result.iterations == options.max_iterations) {
       result.status = !step.determined ? RefinementStatus::degenerate_geometry
                       : small          ? RefinementStatus::converged
@@ -234,7 +248,7 @@ Refinement refine(const Cloud& source, const Cloud& target, const RigidTransform
     result.T_target_source = motion_of(step, caller_centre, unit) * result.T_target_source;
     result.T_target_source.linear() = orthonormal(result.T_target_source.linear());
     ++result.iterations;
-    pairs.move(result.T_target_source);
+    pairs.move(result.T_target_source, stride);
   }
   result.inlier_share = static_cast<double>(result.pairs) / static_cast<double>(source.size());
   return ended();
