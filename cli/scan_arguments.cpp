@@ -72,8 +72,8 @@ void add_scan_options(CLI::App& command, ScanArguments& arguments) {
   };
   describe("--voxel", "Of scans: side of the voxels that they are thinned out with; the layout's when not given");
   describe("--keypoints",
-           "Of scans: the points that are matched: random:COUNT, iss, iss:COUNT or all, as of consimd register; the "
-           "layout's when not given");
+           "Of scans: the points that are matched: random:COUNT, farthest:COUNT, iss, iss:COUNT or all, as of consimd "
+           "register; the layout's when not given");
   describe("--matches", "Of scans: mutual:K or nearest:K, as of consimd register; mutual:3 when not given");
   describe("--missing", "Of scans: a point whose three coordinates are this number is none");
 }
@@ -98,6 +98,7 @@ std::optional<studies::ScanOptions> scans_of(const CLI::App& command, const Scan
   if (given.voxel) options.front_end.voxel = given.voxel;
   if (command.get_option("--keypoints")->count() != 0) {
     options.front_end.keypoints = given.keypoints;
+    options.front_end.farthest = given.farthest;
     options.front_end.iss = given.iss;
   }
   if (command.get_option("--matches")->count() != 0) options.front_end.matches = given.matches;

@@ -75,6 +75,7 @@ std::optional<studies::ScanOptions> scan_options(const nb::object& given) {
   take(front_end, "normal_radius", matching.normal_radius);
   take(front_end, "descriptor_radius", matching.descriptor_radius);
   take(front_end, "keypoints", matching.keypoints);
+  take(front_end, "farthest", matching.farthest);
   take(front_end, "iss", matching.iss);
   take(front_end, "iss_radius", matching.iss_radius);
   take(front_end, "iss_suppression_radius", matching.iss_suppression_radius);

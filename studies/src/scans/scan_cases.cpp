@@ -50,13 +50,14 @@ std::string place(const std::optional<std::array<double, 3>>& viewpoint) {
 
 Texts front_end_texts(const ScanOptions& options) {
   // A member that is added is to be added here.
-  const auto& [voxel, normal_radius, descriptor_radius, keypoints, iss, iss_radius, iss_suppression_radius, matches,
-               seed, source_viewpoint, target_viewpoint] = options.front_end;
+  const auto& [voxel, normal_radius, descriptor_radius, keypoints, farthest, iss, iss_radius, iss_suppression_radius,
+               matches, seed, source_viewpoint, target_viewpoint] = options.front_end;
   const auto& [best, mutual, ratio, most_distances] = matches;
   return {{"voxel", text_of(voxel, "chosen")},
           {"normal_radius", fmt::format("{}", normal_radius)},
           {"descriptor_radius", fmt::format("{}", descriptor_radius)},
           {"keypoints", text_of(keypoints, "all")},
+          {"farthest", farthest ? "yes" : "no"},
           {"iss", iss ? fmt::format("{} {}", iss_radius, iss_suppression_radius) : "no"},
           {"matches", fmt::format("{} {}", mutual ? "mutual" : "nearest", best)},
           {"ratio", fmt::format("{}", ratio)},
