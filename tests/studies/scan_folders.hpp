@@ -115,7 +115,7 @@ inline std::string numbers_of(const RigidTransform& pose, int rows, const std::s
 /// Where the scanner was: three metres from one frame to the next.
 inline RigidTransform place_of(std::uint32_t frame) { return moved(0.05 * frame, 3.0 * frame - 3.0, 0.2 * frame, 1.5); }
 
-inline RigidTransform T_camera_scanner() {
+inline RigidTransform scanner_in_camera() {
   RigidTransform pose = RigidTransform::Identity();
   pose.linear() << 0, -1, 0, 0, 0, -1, 1, 0, 0;
   pose.translation() = Eigen::Vector3d(0.0, -0.08, -0.27);
@@ -128,11 +128,11 @@ inline void write_kitti(const std::filesystem::path& root, const std::string& se
   std::filesystem::create_directories(folder / "velodyne");
   std::filesystem::create_directories(root / "poses");
   write_text(folder / "calib.txt",
-             fmt::format("P0: 1 0 0 0 0 1 0 0 0 0 1 0\nTr: {}\n", numbers_of(T_camera_scanner(), 3, " ")));
+             fmt::format("P0: 1 0 0 0 0 1 0 0 0 0 1 0\nTr: {}\n", numbers_of(scanner_in_camera(), 3, " ")));
   std::string poses;
   for (std::uint32_t frame = 0; frame < 3; ++frame) {
     write_text(folder / "velodyne" / fmt::format("{:06}.bin", frame), bin_of(room(10 + frame, place_of(frame))));
-    poses += numbers_of(place_of(frame) * T_camera_scanner().inverse(), 3, " ") + "\n";
+    poses += numbers_of(place_of(frame) * scanner_in_camera().inverse(), 3, " ") + "\n";
   }
   write_text(root / "poses" / (sequence + ".txt"), poses);
 }
@@ -164,7 +164,7 @@ inline void write_3dmatch(const std::filesystem::path& root) {
     info += fmt::format("{}\t{}\t3\n", i, j);
     for (int r = 0; r < 6; ++r) {
       for (int c = 0; c < 6; ++c) info += fmt::format("{} ", r != c ? 0 : r < 3 ? 1000 : 4000);
-      info += "\n";
+      info += '\n';
     }
   }
   write_text(root / "kitchen-evaluation/gt.log", log);

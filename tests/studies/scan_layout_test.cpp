@@ -50,6 +50,7 @@ class ScanLayouts : public testing::Test {
 
 std::vector<std::string> names(const ScanGroup& group) {
   std::vector<std::string> found;
+  found.reserve(group.pairs.size());
   for (const ScanPair& pair : group.pairs) found.push_back(pair.name);
   return found;
 }

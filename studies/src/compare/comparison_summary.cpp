@@ -221,11 +221,14 @@ std::optional<Shard> comparison_shard(std::string_view text) {
 }
 
 ShardedComparison sharded_comparison(std::string_view text) {
+  constexpr std::uint32_t kMostRuns = 1'000'000;  // as the command takes them
   ShardedComparison found{.summary = parse_json(text), .groups = {}, .tables = {}};
   try {
     const Json& options = found.summary.at("options");
     for (const Json& group : found.summary.at("groups")) found.groups.push_back(whole_group(group));
     found.runs = number_in<std::uint32_t>(options.at("seeds").get<std::string>(), "seeds");
+    if (found.runs == 0 || found.runs > kMostRuns)
+      throw std::invalid_argument("not the summary of a comparison: bad seeds");
     found.tables = {.tables = parts(options, "table"),
                     .solvers = parts(options, "solver"),
                     .filtered = options.at("filter").get<std::string>() != "none",
