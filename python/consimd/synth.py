@@ -7,11 +7,13 @@
 
 from consimd._core import (
     Problem,
+    family_problem,
     hard_problem,
     inlier_quality,
     noise_study_bound,
     noise_study_problem,
     oracle,
+    problem_families,
     rmse_true_inliers,
     rotation_error_deg,
     scale_error,
@@ -23,11 +25,13 @@ from consimd._core import (
 
 __all__ = [
     "Problem",
+    "family_problem",
     "hard_problem",
     "inlier_quality",
     "noise_study_bound",
     "noise_study_problem",
     "oracle",
+    "problem_families",
     "rmse_true_inliers",
     "rotation_error_deg",
     "scale_error",

@@ -14,6 +14,7 @@
 
 #include <consimd/synth/hard_problems.hpp>
 #include <consimd/synth/noise_study.hpp>
+#include <consimd/synth/problem_families.hpp>
 #include <consimd/synth/problem_files.hpp>
 #include <consimd/synth/stand_ins.hpp>
 
@@ -30,7 +31,8 @@ struct NamedValues<synth::Scene> {
                                       Named{"linear", synth::Scene::linear},     Named{"rings", synth::Scene::rings},
                                       Named{"poles", synth::Scene::poles},       Named{"lines", synth::Scene::lines},
                                       Named{"corridor", synth::Scene::corridor}, Named{"room", synth::Scene::room},
-                                      Named{"facade", synth::Scene::facade},     Named{"grid", synth::Scene::grid}};
+                                      Named{"street", synth::Scene::street},     Named{"facade", synth::Scene::facade},
+                                      Named{"grid", synth::Scene::grid}};
 };
 
 template <>
@@ -43,9 +45,9 @@ struct NamedValues<synth::OutlierModel> {
 
 template <>
 struct NamedValues<synth::NoiseModel> {
-  static constexpr std::array kValues{Named{"gaussian", synth::NoiseModel::gaussian},
-                                      Named{"range_dependent", synth::NoiseModel::range_dependent},
-                                      Named{"student_t", synth::NoiseModel::student_t}};
+  static constexpr std::array kValues{
+      Named{"gaussian", synth::NoiseModel::gaussian}, Named{"range_dependent", synth::NoiseModel::range_dependent},
+      Named{"student_t", synth::NoiseModel::student_t}, Named{"anisotropic", synth::NoiseModel::anisotropic}};
 };
 
 namespace {
@@ -59,10 +61,16 @@ Problem noise_study(std::size_t correspondences, double outlier_ratio, double si
   return synth::noise_study_problem({correspondences, outlier_ratio, sigma, half_extent, seed, trial});
 }
 
+Problem of_family(std::string_view family, std::size_t correspondences, double outlier_ratio, double sigma,
+                  double half_extent, std::uint64_t seed, std::uint64_t trial) {
+  const nb::gil_scoped_release unlocked;
+  return synth::family_problem(family, {correspondences, outlier_ratio, sigma, half_extent, seed, trial});
+}
+
 Problem hard(std::size_t correspondences, double outlier_ratio, double sigma, double half_extent, std::uint64_t seed,
              std::uint64_t trial, std::string_view scene, double thickness, std::size_t parts,
              std::string_view outliers, std::size_t clusters, double cluster_sigma, std::size_t matches_per_point,
-             double decoy_share, bool symmetric, std::string_view noise, unsigned degrees_of_freedom,
+             double decoy_share, bool symmetric, std::string_view noise, unsigned degrees_of_freedom, double anisotropy,
              std::size_t duplicates, bool mirrored, double quantum, std::array<double, 3> source_offset,
              std::array<double, 3> target_offset, double units_per_metre) {
   const HardProblemOptions options{.correspondences = correspondences,
@@ -82,6 +90,7 @@ Problem hard(std::size_t correspondences, double outlier_ratio, double sigma, do
                                    .symmetric = symmetric,
                                    .noise = value_named<synth::NoiseModel>(noise, "noise"),
                                    .degrees_of_freedom = degrees_of_freedom,
+                                   .anisotropy = anisotropy,
                                    .duplicates = duplicates,
                                    .mirrored = mirrored,
                                    .quantum = quantum,
@@ -198,6 +207,23 @@ void bind_problems(nb::module_& module) {
       "outlier_ratio in [0, 1] of the targets random, Gaussian noise of sigma metres an axis on the others. The\n"
       "same bytes for the same arguments. ValueError on one outside its range.");
   module.def(
+      "family_problem", &of_family, nb::arg("family"), nb::arg("correspondences") = d.correspondences,
+      nb::arg("outlier_ratio") = d.outlier_ratio, nb::arg("sigma") = d.sigma, nb::arg("half_extent") = d.half_extent,
+      nb::arg("seed") = d.seed, nb::arg("trial") = d.trial,
+      "A problem of a family, see problem_families(); the other arguments are those of noise_study_problem, which "
+      "makes\n"
+      "the family 'gaussian'. outlier_ratio = 1 gives a problem without a true pose. ValueError on an unknown family.");
+  module.def(
+      "problem_families",
+      [] {
+        nb::dict all;
+        for (const synth::ProblemFamily& family : synth::problem_families()) {
+          all[nb::cast(family.name)] = family.sentence;
+        }
+        return all;
+      },
+      nb::sig("def problem_families() -> dict[str, str]"), "The families of problems by name, each with a sentence.");
+  module.def(
       "hard_problem", &hard, nb::kw_only(), nb::arg("correspondences") = d.correspondences,
       nb::arg("outlier_ratio") = d.outlier_ratio, nb::arg("sigma") = d.sigma, nb::arg("half_extent") = d.half_extent,
       nb::arg("seed") = d.seed, nb::arg("trial") = d.trial, nb::arg("scene") = name_of(d.scene),
@@ -205,12 +231,14 @@ void bind_problems(nb::module_& module) {
       nb::arg("clusters") = d.clusters, nb::arg("cluster_sigma") = d.cluster_sigma,
       nb::arg("matches_per_point") = d.matches_per_point, nb::arg("decoy_share") = d.decoy_share,
       nb::arg("symmetric") = d.symmetric, nb::arg("noise") = name_of(d.noise),
-      nb::arg("degrees_of_freedom") = d.degrees_of_freedom, nb::arg("duplicates") = d.duplicates,
-      nb::arg("mirrored") = d.mirrored, nb::arg("quantum") = d.quantum, nb::arg("source_offset") = d.source_offset,
-      nb::arg("target_offset") = d.target_offset, nb::arg("units_per_metre") = d.units_per_metre,
+      nb::arg("degrees_of_freedom") = d.degrees_of_freedom, nb::arg("anisotropy") = d.anisotropy,
+      nb::arg("duplicates") = d.duplicates, nb::arg("mirrored") = d.mirrored, nb::arg("quantum") = d.quantum,
+      nb::arg("source_offset") = d.source_offset, nb::arg("target_offset") = d.target_offset,
+      nb::arg("units_per_metre") = d.units_per_metre,
       "The noise study's problem, made harder in one way by each option past `trial`.\n\n"
       "scene: 'volume'; 'planar' or 'linear', `thickness` metres thick; 'rings' of a scanner on the ground, 'poles',\n"
-      "    'lines', each of `parts`; 'corridor'; 'room'; 'facade' of `parts` columns of windows; 'grid' of `parts` "
+      "    'lines', each of `parts`; 'corridor'; 'room'; 'street'; 'facade' of `parts` columns of windows; 'grid' of "
+      "`parts` "
       "nodes\n"
       "    an edge. Their sizes go with half_extent\n"
       "outliers: 'uniform'; 'permuted' among themselves; 'clustered' in `clusters` of `cluster_sigma` metres;\n"
@@ -218,11 +246,14 @@ void bind_problems(nb::module_& module) {
       "kind\n"
       "    that look the same: at the same distance from the origin of a volume; on the same ring, line, or face of "
       "the\n"
-      "    room; of the same height on any pole; of the same place in a corridor's cross-section; the same corners of\n"
+      "    room; of the same height on any pole; of the same place in the cross-section of a corridor or street; the "
+      "same corners of\n"
       "    any windows; anywhere on a plane, rod or grid\n"
       "decoy_share: outliers, as a share of the inliers' number, that follow a second motion\n"
       "symmetric: the scene is its own image under a half turn\n"
-      "noise: 'gaussian', 'range_dependent', or 'student_t' with `degrees_of_freedom` >= 3\n"
+      "noise: 'gaussian', 'range_dependent', 'student_t' with `degrees_of_freedom` >= 3, or 'anisotropic': its "
+      "deviation\n"
+      "    along the ray from the source's origin is `anisotropy` times that across\n"
       "duplicates: copies of random rows, on top\n"
       "mirrored: only a reflection explains the data; no row is an inlier\n"
       "quantum: rounds coordinates to its multiples, metres; 0 does not\n"

@@ -59,6 +59,7 @@ void require_valid(const HardProblemOptions& o) {
   require(o.matches_per_point >= 2, "matches_per_point", o.matches_per_point, "at least 2");
   require(finite_from(0.0, o.decoy_share), "decoy_share", o.decoy_share, "a finite number >= 0");
   require(o.degrees_of_freedom >= 3, "degrees_of_freedom", o.degrees_of_freedom, "at least 3");
+  require(finite_above(0.0, o.anisotropy), "anisotropy", o.anisotropy, "a finite number > 0");
   require(finite_from(0.0, o.quantum), "quantum", o.quantum, "a finite number >= 0");
   require(o.duplicates <= kMaxRows - o.correspondences, "duplicates", o.duplicates,
           "at most 4294967295 rows with the correspondences");
@@ -153,10 +154,11 @@ class Generator {
 
   Row moved(const RigidTransform& by, bool is_inlier) {
     const Eigen::Vector3d point = scene_point();
-    return {point, by * point + noise(point), is_inlier};
+    return {point, by * point + noise(point, by), is_inlier};
   }
 
-  Eigen::Vector3d noise(const Eigen::Vector3d& point) {
+  /// Of the target of a point that a motion takes there.
+  Eigen::Vector3d noise(const Eigen::Vector3d& point, const RigidTransform& by) {
     const Eigen::Vector3d unit = noise_.gaussian_vector();
     switch (options_.noise) {
       case NoiseModel::range_dependent:
@@ -169,6 +171,13 @@ class Generator {
         }
         // t = unit / sqrt(chi_square / dof) has variance dof / (dof - 2).
         return options_.sigma * std::sqrt((options_.degrees_of_freedom - 2.0) / chi_square) * unit;
+      }
+      case NoiseModel::anisotropic: {
+        // Two axes across the ray and one along it have the mean square 3 sigma^2 together.
+        const double ratio = options_.anisotropy;
+        const double across = options_.sigma * std::sqrt(3.0 / (2.0 + ratio * ratio));
+        const Eigen::Vector3d ray = by.linear() * point.normalized();
+        return across * (unit + (ratio - 1.0) * unit.dot(ray) * ray);
       }
       case NoiseModel::gaussian:
         break;
@@ -241,7 +250,7 @@ class Generator {
     for (std::size_t k = 0; k < counts_.outliers; ++k) {
       const Eigen::Vector3d source = scene_point();
       const Eigen::Vector3d like = scene_turn_ * scenes_.alike(last_, outliers_);
-      rows_.push_back({source, decoy_motion_ * like + noise(like), false});
+      rows_.push_back({source, decoy_motion_ * like + noise(like, decoy_motion_), false});
     }
   }
 

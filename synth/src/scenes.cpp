@@ -30,6 +30,8 @@ Eigen::Vector3d half_extents(const HardProblemOptions& o) {
       return {e, e / 20.0, e / 24.0};
     case Scene::room:
       return {e, e, e / 4.0};
+    case Scene::street:
+      return {e, e / 8.0, e / 12.0};
     case Scene::volume:
     case Scene::rings:
     case Scene::facade:
@@ -47,8 +49,9 @@ ScenePair::ScenePair(const HardProblemOptions& options, RandomStream& layout)
       parts_(static_cast<std::uint32_t>(options.parts)),
       box_(half_extents(options)) {
   const Eigen::Vector3d& b = box_;
-  if (scene_ == Scene::corridor || scene_ == Scene::room) areas_ = {b[1] * b[2], b[2] * b[0], b[0] * b[1]};
-  if (scene_ == Scene::corridor) areas_[0] = 0.0;  // open ends
+  if (has_faces()) areas_ = {b[1] * b[2], b[2] * b[0], b[0] * b[1]};
+  if (scene_ == Scene::corridor || scene_ == Scene::street) areas_[0] = 0.0;  // open ends
+  if (scene_ == Scene::street) areas_[2] *= 0.5;                              // no ceiling
   if (scene_ != Scene::poles && scene_ != Scene::lines) return;
   for (std::vector<Segment>* segments : {&segments_, &others_}) {
     for (std::uint32_t k = 0; k < parts_; ++k) {
@@ -60,6 +63,10 @@ ScenePair::ScenePair(const HardProblemOptions& options, RandomStream& layout)
       segments->push_back(segment);
     }
   }
+}
+
+bool ScenePair::has_faces() const {
+  return scene_ == Scene::corridor || scene_ == Scene::room || scene_ == Scene::street;
 }
 
 double ScenePair::ring_radius(std::uint32_t ring) const {
@@ -82,7 +89,8 @@ std::uint32_t ScenePair::random_face(RandomStream& random) const {
   const double total = areas_[0] + areas_[1] + areas_[2];
   const double at = random.uniform(0.0, total);
   const std::uint32_t axis = at < areas_[0] ? 0 : at < areas_[0] + areas_[1] ? 1 : 2;
-  return 2 * axis + random.below(2);
+  const std::uint32_t side = random.below(2);
+  return 2 * axis + (scene_ == Scene::street && axis == 2 ? 0 : side);
 }
 
 Eigen::Vector3d ScenePair::on_face(std::uint32_t face, RandomStream& random) const {
@@ -119,7 +127,8 @@ ScenePair::Point ScenePair::point(RandomStream& random) const {
       return {segments_[k].from + random.uniform() * (segments_[k].to - segments_[k].from), k};
     }
     case Scene::corridor:
-    case Scene::room: {
+    case Scene::room:
+    case Scene::street: {
       const std::uint32_t face = random_face(random);
       return {on_face(face, random), face};
     }
@@ -157,6 +166,7 @@ Eigen::Vector3d ScenePair::alike(const Point& point, RandomStream& random) const
       return line.from + random.uniform() * (line.to - line.from);
     }
     case Scene::corridor:
+    case Scene::street:
       return {random.uniform(-box_[0], box_[0]), point.position[1], point.position[2]};
     case Scene::room:
       return on_face(point.part, random);
@@ -189,7 +199,8 @@ double ScenePair::mean_square_range() const {
       return sum / (3.0 * parts_);
     }
     case Scene::corridor:
-    case Scene::room: {
+    case Scene::room:
+    case Scene::street: {
       double sum = 0.0;
       for (Eigen::Index axis = 0; axis < 3; ++axis) {
         sum += areas_[static_cast<std::size_t>(axis)] * (squares.sum() + 2.0 * squares[axis]) / 3.0;

@@ -39,6 +39,7 @@ class ScenePair {
     Eigen::Vector3d from, to;
   };
 
+  [[nodiscard]] bool has_faces() const;
   [[nodiscard]] double ring_radius(std::uint32_t ring) const;
   /// The coordinate of the k-th of `count` evenly spaced places in [-half_extent, half_extent].
   [[nodiscard]] double place(std::uint32_t k, std::uint32_t count) const;

@@ -22,6 +22,7 @@ enum class Scene : std::uint8_t {
   lines,     ///< `parts` segments between random points of a box of 2 E x 2 E x E / 3
   corridor,  ///< its walls, floor and ceiling: 2 E long, E / 10 wide, E / 12 high
   room,      ///< its six faces: 2 E x 2 E x E / 2
+  street,    ///< the ground between two rows of houses: 2 E long, E / 4 wide, E / 6 high
   facade,    ///< corners of equal windows in `parts` columns, 2 E / parts apart, and half as many rows
   grid,      ///< nodes of a cubic lattice, `parts` an edge, 2 E / parts apart
 };
@@ -40,8 +41,8 @@ enum class OutlierModel : std::uint8_t {
   /// The other scene has its own poles or lines and lies where decoy_T_target_source takes the first. Alike are points
   /// of a volume at the same distance from the origin; all of a plane, a rod or a grid; those on the same ring, face of
   /// the room, or line (the k-th and the k-th); of the same height on any pole; at the same place of the corridor's
-  /// cross-section; and the same corners of any windows. So nothing but chance puts two pairs on one motion, yet far
-  /// more of them lie on one than uniform outliers would.
+  /// or the street's cross-section; and the same corners of any windows. So nothing but chance puts two pairs on one
+  /// motion, yet far more of them lie on one than uniform outliers would.
   alike,
 };
 
@@ -50,6 +51,8 @@ enum class NoiseModel : std::uint8_t {
   gaussian,
   range_dependent,  ///< Gaussian with a deviation in proportion to the distance from the source frame's origin
   student_t,        ///< heavy tails: an isotropic Student t vector with `degrees_of_freedom`
+  anisotropic,      ///< Gaussian, its deviation along the ray from the source frame's origin `anisotropy` times that
+                    ///< across it, as stereo cameras and time-of-flight sensors have it
 };
 
 /// The defaults are the noise study's problem; each option past `trial` makes it harder in one way, and all combine.
@@ -82,6 +85,7 @@ struct HardProblemOptions {
 
   NoiseModel noise = NoiseModel::gaussian;
   unsigned degrees_of_freedom = 3;  ///< >= 3, where the deviation is finite; student_t
+  double anisotropy = 5.0;          ///< > 0; anisotropic
 
   std::size_t duplicates = 0;  ///< copies of random rows, in addition to N
 
