@@ -13,6 +13,7 @@
 #include <consimd/studies/sweep.hpp>
 #include <consimd/studies/value_list.hpp>
 #include "commands.hpp"
+#include "family_arguments.hpp"
 #include "filter_option.hpp"
 #include "interruption.hpp"
 #include "option_checks.hpp"
@@ -31,6 +32,7 @@ struct Options {
   SolverArguments solvers{study.solvers};
   std::string outliers{studies::kPaperOutlierRatios};
   std::string sigma{studies::kPaperSigmas};
+  ConditionArguments conditions;
   std::string filter = "none";
   int threads = 1;
   std::string out = "consimd-sweep";
@@ -71,6 +73,8 @@ int run_sweep_command(Options options) {
   const std::string out = shard ? (std::filesystem::path(options.out) / folder_name(*shard)).string() : options.out;
   options.study.outlier_ratios = values_of("--outliers", options.outliers);
   options.study.sigmas = values_of("--sigma", options.sigma);
+  set_conditions(options.study, options.conditions);
+  if (options.map) studies::require_limits(options.study);
   StudySolvers solvers = solvers_of(options.solvers);
   options.study.solvers = std::move(solvers.names);
   options.study.outside = std::move(solvers.outside);
@@ -79,9 +83,9 @@ int run_sweep_command(Options options) {
   const studies::RunFacts facts{.isa = to_string(active_isa()), .threads = options.threads};
   studies::StudyFolder folder(out, table, facts, options.fresh);
 
-  fmt::print("{} trials{} in {} cells, noise bound 3 sigma, {} on {} thread{}, {} done before, writing to {}\n",
-             table.size(), part, table.options().cells(), facts.isa, facts.threads, facts.threads == 1 ? "" : "s",
-             table.filled(), out);
+  fmt::print("{} trials{} in {} cells, {}, {} on {} thread{}, {} done before, writing to {}\n", table.size(), part,
+             table.options().cells(), bound_text(table.options()), facts.isa, facts.threads,
+             facts.threads == 1 ? "" : "s", table.filled(), out);
   flush_standard_output();
   FailureReport failures;
   if (!table.complete()) {
@@ -129,18 +133,18 @@ void add_sweep_command(CLI::App& app, Action& run) {
       app.add_subcommand("sweep", "Run the noise study: recall and errors over noise and outlier ratio");
   auto options = std::make_shared<Options>();
   studies::SweepOptions& study = options->study;
-  command->add_option("--points", study.points, "Correspondences of a problem")
-      ->check(whole_number())
-      ->capture_default_str();
   command->add_option("--outliers", options->outliers, "Outlier ratios in [0, 1): a list, or start:end:count")
       ->capture_default_str();
   command
       ->add_option("--sigma", options->sigma,
                    "Standard deviations of the inliers' noise, metres: a list, or start:end:count evenly spaced values")
       ->capture_default_str();
-  command->add_option("--trials", study.trials, "Problems per outlier ratio and noise level")
+  command
+      ->add_option("--trials", study.trials,
+                   "Problems of a cell: of an outlier ratio, a noise level, and each of what follows")
       ->check(whole_number(1, 1'000'000))
       ->capture_default_str();
+  add_condition_arguments(*command, options->conditions);
   add_solver_arguments(*command, options->solvers);
   add_filter_option(*command, options->filter);
   command->add_option("--seed", study.seed, "Seed of the data; trial k runs its solver with seed + k")
@@ -157,6 +161,9 @@ void add_sweep_command(CLI::App& app, Action& run) {
       "sigma;\n"
       "it succeeds when the RMSE of the true inliers is below 3 sigma. Ctrl-C keeps what is done; the same command "
       "resumes.\n"
+      "The paper's problems are of the family gaussian; --family, --scale, several --points, --bound-factor and\n"
+      "--no-pose go beyond it, and the tables then have columns that tell of them. Families:\n" +
+      family_lines() +
       "Writes trials.csv, cells.csv, summary.json, and recall and errors as .svg and .png. CONSIMD_PYTHON names the "
       "Python\n"
       "that draws (it needs matplotlib), CONSIMD_PLOT_SCRIPT another script.\n"
@@ -172,6 +179,8 @@ void add_sweep_command(CLI::App& app, Action& run) {
       "  consimd sweep --outliers 0.9,0.99 --sigma 0.5,1,2 --trials 20 --out quick\n"
       "  consimd sweep --solver ransac:max_iterations=10000,tcf --trials 20 --out options\n"
       "  consimd sweep --solver tcf --solver 'mine=exec:./my_solver --fast' --trials 20 --out mine\n"
+      "  consimd sweep --family gaussian,heavy_tails,decoy --no-pose 0.1 --sigma 0.5,2 --trials 20 --out families\n"
+      "  consimd sweep --bound-factor 0.5,1,2,estimated --points 100,1000 --outliers 0.5 --sigma 1 --out bounds\n"
       "  consimd sweep --shard 2/4                                    a quarter of it\n"
       "  mpirun -n 4 consimd sweep --shard auto --threads 1           four processes, then: consimd merge\n"
       "  consimd sweep --map --outliers 0.5,0.9,0.95,0.98,0.99,0.995 --sigma 0.1,0.5,1,2,5 --trials 20 --out map");

@@ -59,7 +59,7 @@ int main() {
   const studies::OutsideSolvers mine{{.name = "mine", .version = "1.0", .solve = my_solver}};
 
   studies::SweepOptions study;
-  study.points = 300;
+  study.points = {300};
   study.outlier_ratios = {0.5, 0.8};
   study.sigmas = {0.1, 1.0};
   study.trials = 5;

@@ -12,8 +12,9 @@ and any instruction set, and those of the C++ library.
 """
 
 from consimd import features, kernels, synth
-from consimd._core import Correspondences, __version__
+from consimd._core import Correspondences, __version__, wilson_interval
 from consimd._compare import CompareResult, ComparisonTable, compare
+from consimd._plots import plot_sweep
 from consimd._register import (
     NoiseBoundEstimate,
     OptionDescription,
@@ -50,6 +51,7 @@ __all__ = [
     "estimate_noise_bound",
     "features",
     "kernels",
+    "plot_sweep",
     "register",
     "register_clouds",
     "solver_options",
@@ -58,4 +60,5 @@ __all__ = [
     "synth",
     "table_columns",
     "view",
+    "wilson_interval",
 ]

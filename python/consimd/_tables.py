@@ -30,5 +30,14 @@ def structured(columns: dict[str, Any]) -> NDArray[np.void]:
 
 
 def table_columns() -> dict[str, dict[str, str]]:
-    """What the columns of `sweep` (trials, cells) and `compare` (runs) mean, by table and name, in their order."""
-    return {"trials": _core.trial_columns(), "cells": _core.cell_columns(), "runs": _core.run_columns()}
+    """What the columns of `sweep` (trials, cells) and `compare` (runs) mean, by table and name, in their order.
+
+    trial_conditions and cell_conditions stand before those of trials and cells where a sweep goes beyond the paper's.
+    """
+    return {
+        "trials": _core.trial_columns(),
+        "cells": _core.cell_columns(),
+        "trial_conditions": _core.trial_condition_columns(),
+        "cell_conditions": _core.cell_condition_columns(),
+        "runs": _core.run_columns(),
+    }

@@ -27,12 +27,21 @@
 namespace consimd::python {
 namespace {
 
-nb::tuple run(std::size_t points, std::optional<std::vector<double>> outliers, std::optional<std::vector<double>> sigma,
-              std::uint32_t trials, std::vector<std::string> solvers, const std::vector<OutsideEntry>& outside,
-              double time_limit, std::string_view filter, std::uint64_t seed, std::optional<int> threads,
+template <typename Value, typename Parse>
+std::vector<Value> parsed(const std::vector<std::string>& texts, const Parse& parse) {
+  std::vector<Value> values;
+  for (const std::string& text : texts) values.push_back(parse(text));
+  return values;
+}
+
+nb::tuple run(std::vector<std::size_t> points, std::optional<std::vector<double>> outliers,
+              std::optional<std::vector<double>> sigma, std::uint32_t trials, std::vector<std::string> solvers,
+              const std::vector<OutsideEntry>& outside, double time_limit, std::string_view filter, std::uint64_t seed,
+              std::vector<std::string> families, const std::vector<std::string>& scales,
+              const std::vector<std::string>& bound_factors, double no_pose, std::optional<int> threads,
               const std::optional<std::filesystem::path>& folder_path, bool fresh, const nb::object& progress) {
   studies::SweepOptions options;
-  options.points = points;
+  options.points = std::move(points);
   if (outliers) options.outlier_ratios = std::move(*outliers);
   if (sigma) options.sigmas = std::move(*sigma);
   options.trials = trials;
@@ -40,6 +49,10 @@ nb::tuple run(std::size_t points, std::optional<std::vector<double>> outliers, s
   options.outside = outside_solvers(outside, time_limit);
   options.filter = filter_by_name(filter);
   options.seed = seed;
+  options.families = std::move(families);
+  options.scales = parsed<studies::ScaleKnowledge>(scales, studies::scale_knowledge_by_name);
+  options.bound_factors = parsed<studies::BoundFactor>(bound_factors, studies::parse_bound_factor);
+  options.no_pose = no_pose;
   const std::optional<int> limit = checked_threads(threads);
   studies::TrialTable table(std::move(options));
   const studies::RunFacts facts{.isa = to_string(active_isa()),
@@ -56,19 +69,35 @@ nb::tuple run(std::size_t points, std::optional<std::vector<double>> outliers, s
                                .stop_requested = stop_requested});
   });
   if (folder) folder->finish(table, facts);
-  return nb::make_tuple(to_columns(table.records(), studies::kTrialColumns),
-                        to_columns(studies::summarise(table).cells(), studies::kCellColumns));
+  const std::vector<studies::CellSummary> cells = studies::summarise(table).cells();
+  if (table.wide()) {
+    return nb::make_tuple(to_columns(table.records(), studies::kWideTrialColumns),
+                          to_columns(cells, studies::kWideCellColumns));
+  }
+  return nb::make_tuple(to_columns(table.records(), studies::kTrialColumns), to_columns(cells, studies::kCellColumns));
 }
 
 }  // namespace
 
 void bind_sweep(nb::module_& module) {
+  module.def(
+      "wilson_interval",
+      [](std::size_t successes, std::size_t trials) {
+        const studies::Interval interval = studies::wilson_interval(successes, trials);
+        return nb::make_tuple(interval.low, interval.high);
+      },
+      nb::arg("successes"), nb::arg("trials"),
+      nb::sig("def wilson_interval(successes: int, trials: int) -> tuple[float, float]"),
+      "Wilson's score interval, 95 %, of a probability of which so many of so many trials succeeded: (low, high), as\n"
+      "recall_low and recall_high of a study. (0, 1) without trials. ValueError if there are more successes.");
   module.def("trial_columns", [] { return meanings(studies::kTrialColumns); });
   module.def("cell_columns", [] { return meanings(studies::kCellColumns); });
+  module.def("trial_condition_columns", [] { return meanings(studies::kTrialConditionColumns); });
+  module.def("cell_condition_columns", [] { return meanings(studies::kCellConditionColumns); });
   module.def("run_sweep", &run, nb::arg("points"), nb::arg("outliers").none(), nb::arg("sigma").none(),
              nb::arg("trials"), nb::arg("solvers"), nb::arg("outside"), nb::arg("time_limit"), nb::arg("filter"),
-             nb::arg("seed"), nb::arg("threads").none(), nb::arg("folder").none(), nb::arg("fresh"),
-             nb::arg("progress").none());
+             nb::arg("seed"), nb::arg("families"), nb::arg("scales"), nb::arg("bound_factors"), nb::arg("no_pose"),
+             nb::arg("threads").none(), nb::arg("folder").none(), nb::arg("fresh"), nb::arg("progress").none());
 }
 
 }  // namespace consimd::python

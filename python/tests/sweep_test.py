@@ -119,3 +119,64 @@ def test_bad_arguments_are_named():
     ):
         with pytest.raises(ValueError, match=message):
             consimd.sweep(**{**STUDY, **options})
+
+
+def test_beyond_the_papers_study(command, tmp_path):
+    command(
+        *("sweep", "--points", "80,120", "--outliers", 0.5, "--sigma", 0.5, "--trials", 4, "--no-pose", 0.25),
+        *("--family", "gaussian,decoy", "--bound-factor", "1,estimated", "--out", tmp_path / "cpp"),
+    )
+    study = dict(outliers=[0.5], sigma=[0.5], trials=4)
+    trials, cells = consimd.sweep(
+        points=(80, 120), family=("gaussian", "decoy"), bound_factor=(1, "estimated"), no_pose=0.25, **study
+    )
+    assert (len(trials), len(cells)) == (32, 8)
+    for name, table in (("trials.csv", trials), ("cells.csv", cells)):
+        assert_same_but_for_times(table, read(tmp_path / "cpp" / name))
+    meanings = consimd.table_columns()
+    assert trials.dtype.names == (*meanings["trial_conditions"], *meanings["trials"])
+    assert cells.dtype.names == (*meanings["cell_conditions"], *meanings["cells"])
+    assert trials["true_pose"].tolist() == [True, True, True, False] * 8
+    assert cells["without_pose"].tolist() == [1] * 8
+    # Every value of a keyword may stand alone.
+    trials, _ = consimd.sweep(points=100, scale="unknown", solvers="pcr99", family="planar", bound_factor=2, **study)
+    assert trials["scale"].tolist() == ["unknown"] * 4
+    for wrong in (dict(family="magic"), dict(scale="guessed"), dict(bound_factor="x"), dict(no_pose=1.0), dict(points=[])):
+        with pytest.raises(ValueError, match=next(iter(wrong))):
+            consimd.sweep(**study, **wrong)
+
+
+def test_families():
+    families = consimd.synth.problem_families()
+    assert next(iter(families)) == "gaussian"
+    for family, sentence in families.items():
+        problem = consimd.synth.family_problem(family, correspondences=50, outlier_ratio=0.4, sigma=0.5)
+        assert len(problem) == 50 and sentence
+    paper = consimd.synth.noise_study_problem(correspondences=50, outlier_ratio=0.4, sigma=0.5)
+    again = consimd.synth.family_problem("gaussian", correspondences=50, outlier_ratio=0.4, sigma=0.5)
+    assert np.array_equal(paper.target, again.target)
+    with pytest.raises(ValueError, match="family 'magic': expected one of: gaussian"):
+        consimd.synth.family_problem("magic")
+
+
+def test_wilson_interval():
+    low, high = consimd.wilson_interval(8, 10)
+    assert (low, high) == (pytest.approx(0.4901625), pytest.approx(0.9433178))
+    assert consimd.wilson_interval(0, 0) == (0, 1)
+    _, cells = consimd.sweep(points=100, outliers=[0.9], sigma=[1.0], trials=3)
+    successes = round(3 * cells["recall"][0])
+    assert consimd.wilson_interval(successes, 3) == (cells["recall_low"][0], cells["recall_high"][0])
+    with pytest.raises(ValueError, match="4 successes of 3 trials"):
+        consimd.wilson_interval(4, 3)
+
+
+def test_plots(tmp_path):
+    pytest.importorskip("matplotlib")
+    _, cells = consimd.sweep(points=100, outliers=[0.2, 0.5], sigma=[0.5, 1.0], trials=2, family=("gaussian", "decoy"))
+    files = consimd.plot_sweep(cells, tmp_path / "new")
+    assert [file.name for file in files] == ["recall.svg", "recall.png", "errors.svg", "errors.png"]
+    assert "decoy" in files[0].read_text()
+    # Of a file that is there.
+    assert consimd.plot_sweep(None, tmp_path / "new") == files
+    with pytest.raises(RuntimeError, match="not drawn"):
+        consimd.plot_sweep(None, tmp_path / "empty")

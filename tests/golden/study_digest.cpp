@@ -6,7 +6,7 @@ namespace consimd::golden {
 
 void add_study(Digests& digests) {
   studies::SweepOptions options;
-  options.points = 300;
+  options.points = {300};
   options.outlier_ratios = {0.5, 0.9};
   options.sigmas = {0.1, 2.0};
   options.trials = 3;

@@ -14,7 +14,7 @@ int main() {
   std::filesystem::remove_all(folder);
 
   studies::SweepOptions options;
-  options.points = 300;
+  options.points = {300};
   options.outlier_ratios = {0.5};
   options.sigmas = {0.1, 1.0};
   options.trials = 3;

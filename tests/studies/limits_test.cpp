@@ -17,7 +17,7 @@ constexpr double kSigma = 5.0;
 
 SweepOptions few_points() {
   SweepOptions options;
-  options.points = 30;
+  options.points = {30};
   options.seed = 5;
   return options;
 }

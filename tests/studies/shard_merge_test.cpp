@@ -96,13 +96,11 @@ TEST(TrialTable, DealsProblemsOutEvenly) {
       least = std::min(least, part.size());
       most = std::max(most, part.size());
       // A cell's trials go around: no shard gets the costly cells.
-      for (std::size_t ratio = 0; ratio < 2; ++ratio) {
-        for (std::size_t sigma = 0; sigma < 2; ++sigma) {
-          std::uint32_t wanted = 0;
-          for (std::uint32_t trial = 0; trial < options.trials; ++trial) wanted += part.wants(ratio, sigma, trial);
-          EXPECT_LE(wanted, (options.trials + count - 1) / count);
-          EXPECT_GE(wanted, options.trials / count);
-        }
+      for (std::size_t cell = 0; cell < 4; ++cell) {
+        std::uint32_t wanted = 0;
+        for (std::uint32_t trial = 0; trial < options.trials; ++trial) wanted += part.wants(cell, trial);
+        EXPECT_LE(wanted, (options.trials + count - 1) / count);
+        EXPECT_GE(wanted, options.trials / count);
       }
     }
     EXPECT_EQ(total, TrialTable(options).size());

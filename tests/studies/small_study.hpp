@@ -7,7 +7,7 @@ namespace consimd::studies {
 
 inline SweepOptions small_study() {
   SweepOptions options;
-  options.points = 200;
+  options.points = {200};
   options.outlier_ratios = {0.5, 0.8};
   options.sigmas = {0.1, 1.0};
   options.trials = 3;

@@ -121,7 +121,7 @@ TEST(StudyFolder, NamesTheDifferenceToAnotherStudy) {
   };
   const auto names = [](const std::string& text) { return ThrowsMessage<std::runtime_error>(HasSubstr(text)); };
   EXPECT_THAT(open_with([](SweepOptions& o) { o.trials = 4; }), names("it has trials 3, not 4"));
-  EXPECT_THAT(open_with([](SweepOptions& o) { o.points = 300; }), names("it has points 200, not 300"));
+  EXPECT_THAT(open_with([](SweepOptions& o) { o.points = {300}; }), names("it has points 200, not 300"));
   EXPECT_THAT(open_with([](SweepOptions& o) { o.seed = 1; }), names("it has seed 5, not 1"));
   EXPECT_THAT(open_with([](SweepOptions& o) { o.sigmas = {0.1, 2.0}; }), names("it has sigma 0.1,1.0, not 0.1,2.0"));
   EXPECT_THAT(open_with([](SweepOptions& o) { o.outlier_ratios = {0.5}; }), names("it has outliers 0.5,0.8, not 0.5"));

@@ -105,7 +105,7 @@ TEST(TrialTable, RefusesRecordsOfAnotherStudy) {
 TEST(SweepOptions, DefaultIsThePapersStudy) {
   const SweepOptions options;
   EXPECT_NO_THROW(validate(options));
-  EXPECT_EQ(options.points, 3000u);
+  EXPECT_EQ(options.points, std::vector<std::size_t>{3000});
   EXPECT_EQ(options.cells(), 250u);
   EXPECT_EQ(options.trials, 100u);
 }
@@ -113,7 +113,7 @@ TEST(SweepOptions, DefaultIsThePapersStudy) {
 TEST(SweepOptions, RefusesBadValues) {
   constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
   for (const auto& spoil : std::vector<void (*)(SweepOptions&)>{
-           [](SweepOptions& o) { o.points = 2; }, [](SweepOptions& o) { o.trials = 0; },
+           [](SweepOptions& o) { o.points = {2}; }, [](SweepOptions& o) { o.trials = 0; },
            [](SweepOptions& o) { o.sigmas = {}; }, [](SweepOptions& o) { o.sigmas = {0.0}; },
            [](SweepOptions& o) { o.sigmas = {kNaN}; },
            [](SweepOptions& o) {

@@ -8,7 +8,9 @@
 #include <consimd/studies/cell_summary.hpp>
 #include <consimd/studies/limits.hpp>
 #include <consimd/studies/run_record.hpp>
+#include <consimd/studies/solver_comparison.hpp>
 #include <consimd/studies/trial_record.hpp>
+#include <consimd/synth/problem_families.hpp>
 #include "temporary_folder.hpp"
 
 namespace consimd::studies {
@@ -23,6 +25,14 @@ TEST(TableColumns, AreThoseThatScriptsRead) {
   EXPECT_EQ(csv_header(kCellColumns),
             "solver,outlier_ratio,sigma,trials,recall,recall_low,recall_high,rotation_error_deg_mean,"
             "translation_error_mean,oracle_rotation_error_deg_mean,oracle_translation_error_mean,seconds_median");
+  EXPECT_EQ(csv_header(kWideTrialColumns),
+            "family,scale,points,bound_factor,true_pose,outcome,rmse_limit,oracle_rmse_true_inliers,scale_error,"
+            "noise_bound," +
+                csv_header(kTrialColumns));
+  EXPECT_EQ(csv_header(kWideCellColumns),
+            "family,scale,points,bound_factor,success_share,wrong_success_share,refused_share,ambiguous_share,"
+            "without_pose,wrong_without_pose,oracle_within_3_sigma," +
+                csv_header(kCellColumns));
   EXPECT_EQ(csv_header(kLimitColumns),
             "sigma,problems,chance_support_mean,chance_support_max,fixed_support_mean,limit_outlier_ratio");
   EXPECT_EQ(csv_header(kRunColumns),
@@ -45,8 +55,28 @@ TEST(TableColumns, StandInThePages) {
   const std::string study = test::text_of(docs / "noise_study.md");
   EXPECT_THAT(study, testing::HasSubstr(page_rows(kTrialColumns)));
   EXPECT_THAT(study, testing::HasSubstr(page_rows(kCellColumns)));
+  EXPECT_THAT(study, testing::HasSubstr(page_rows(kTrialConditionColumns)));
+  EXPECT_THAT(study, testing::HasSubstr(page_rows(kCellConditionColumns)));
   EXPECT_THAT(study, testing::HasSubstr(page_rows(kLimitColumns)));
   EXPECT_THAT(test::text_of(docs / "comparison.md"), testing::HasSubstr(page_rows(kRunColumns)));
+}
+
+TEST(TableColumns, OfComparisonsStandInThePage) {
+  const std::string page = test::text_of(std::filesystem::path(CONSIMD_DOCS) / "noise_study.md");
+  const std::string cell = page_rows(kProblemCellColumns<PairRecord>);
+  EXPECT_THAT(page, testing::HasSubstr(cell));
+  for (const std::string& rows : {page_rows(kPairColumns), page_rows(kSolverColumns), page_rows(kCurveColumns)}) {
+    EXPECT_TRUE(rows.starts_with(cell));
+    EXPECT_THAT(page, testing::HasSubstr(rows.substr(cell.size())));
+  }
+}
+
+TEST(ProblemFamilies, StandInThePage) {
+  std::string rows;
+  for (const synth::ProblemFamily& family : synth::problem_families()) {
+    rows += "| `" + std::string(family.name) + "` | " + std::string(family.sentence) + " |\n";
+  }
+  EXPECT_THAT(test::text_of(std::filesystem::path(CONSIMD_DOCS) / "problem_families.md"), testing::HasSubstr(rows));
 }
 
 }  // namespace

@@ -35,7 +35,7 @@ std::vector<CaseGroup> stand_in_groups(const std::vector<std::string>& names, st
 
 std::vector<CaseGroup> noise_groups(const NoiseCells& cells) {
   SweepOptions checked;
-  checked.points = cells.points;
+  checked.points = {cells.points};
   checked.outlier_ratios = cells.outlier_ratios;
   checked.sigmas = cells.sigmas;
   checked.trials = cells.trials;

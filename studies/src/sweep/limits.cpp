@@ -46,8 +46,11 @@ struct ChanceProblem {
 };
 
 ChanceProblem run_problem(const SweepOptions& options, double sigma, std::uint32_t trial) {
-  const synth::Problem problem = synth::hard_problem(
-      {.correspondences = options.points, .outlier_ratio = 1.0, .sigma = sigma, .seed = options.seed, .trial = trial});
+  const synth::Problem problem = synth::hard_problem({.correspondences = options.points.front(),
+                                                      .outlier_ratio = 1.0,
+                                                      .sigma = sigma,
+                                                      .seed = options.seed,
+                                                      .trial = trial});
   const double bound = synth::noise_study_bound(sigma);
   const Registration result = register_by_name(solvers().front().name, problem.correspondences(),
                                                {.noise_bound = bound, .seed = options.seed + trial});
@@ -72,6 +75,13 @@ double limit_outlier_ratio(std::size_t points, double chance_support, double fix
   const double per_ratio = n * kShareWithinBound - fixed_support;
   if (of_inliers <= 0.0 || per_ratio <= 0.0) return 0.0;
   return std::min(1.0, of_inliers / per_ratio);
+}
+
+void require_limits(const SweepOptions& options) {
+  if (!options.beyond_paper()) return;
+  throw std::invalid_argument(
+      "map: the limit is that of the paper's problems, expected one number of points, family gaussian, a known scale, "
+      "bound factor 1 and no problems without a pose");
 }
 
 std::vector<double> limit_levels(const SweepOptions& options, const std::optional<Shard>& shard) {
@@ -105,7 +115,7 @@ std::optional<LimitRecord> measure_limit(const SweepOptions& options, double sig
   record.chance_support_mean = static_cast<double>(sum.best) / kLimitProblems;
   record.fixed_support_mean = static_cast<double>(sum.fixed) / kLimitProblems;
   record.limit_outlier_ratio =
-      limit_outlier_ratio(options.points, record.chance_support_mean, record.fixed_support_mean);
+      limit_outlier_ratio(options.points.front(), record.chance_support_mean, record.fixed_support_mean);
   return record;
 }
 

@@ -91,10 +91,10 @@ void for_each_row_so_far(const fs::path& path, std::string_view columns,
 }
 
 /// Calls `take` with the trials of a shard.
-void for_each_trial(const ShardFolder& shard, const std::function<void(TrialRecord)>& take) {
+void for_each_trial(const ShardFolder& shard, bool wide, const std::function<void(TrialRecord)>& take) {
   if (!fs::exists(shard.path / kTrialsFile)) return;
-  for_each_row_so_far(shard.path / kTrialsFile, csv_header(kTrialColumns),
-                      [&](std::string_view line) { take(parse_trial_row(line)); });
+  for_each_row_so_far(shard.path / kTrialsFile, trial_header(wide),
+                      [&](std::string_view line) { take(parse_trial_row(line, wide)); });
 }
 
 /// "missing: 2/4, 3/4; unfinished: 1/4 in DIR (12 of 75 trials)"
@@ -119,7 +119,7 @@ TrialTable merge_trials(const std::vector<ShardFolder>& shards, const SweepOptio
   std::vector<std::string> unfinished;
   for (const ShardFolder& shard : shards) {
     TrialTable part(options, shard.shard, TrialTable::Keep::marks);
-    for_each_trial(shard, [&](TrialRecord record) { part.put(std::move(record)); });
+    for_each_trial(shard, part.wide(), [&](TrialRecord record) { part.put(std::move(record)); });
     if (!part.complete()) {
       unfinished.push_back(fmt::format("{} in {} ({} of {} trials)", to_string(shard.shard), shard.path.string(),
                                        part.filled(), part.size()));
@@ -133,7 +133,7 @@ TrialTable merge_trials(const std::vector<ShardFolder>& shards, const SweepOptio
   }
   TrialTable merged(options);
   for (const ShardFolder& shard : shards) {
-    for_each_trial(shard, [&](TrialRecord record) { merged.put(std::move(record)); });
+    for_each_trial(shard, merged.wide(), [&](TrialRecord record) { merged.put(std::move(record)); });
   }
   return merged;
 }

@@ -23,7 +23,8 @@ constexpr std::string_view kRemedy = "give the same options, another --out, or -
 
 void remove_study(const fs::path& folder) {
   for (const std::string_view name : {kTrialsFile, kCellsFile, kLimitsFile, kSummaryFile, "recall.svg"sv,
-                                      "recall.png"sv, "errors.svg"sv, "errors.png"sv, "map.svg"sv, "map.png"sv}) {
+                                      "recall.png"sv, "errors.svg"sv, "errors.png"sv, "map.svg"sv, "map.png"sv,
+                                      kPairsFile, kSolversFile, kCurvesFile, "comparison.svg"sv, "comparison.png"sv}) {
     fs::remove(folder / name);
   }
 }
@@ -54,10 +55,10 @@ template <typename ForEach>
 StudySummary write_tables(const fs::path& folder, const TrialTable& table, const ForEach& for_each) {
   constexpr std::size_t kBuffer = std::size_t{1} << 20U;
   StudySummary summary(table.options());
-  synth::PendingFile file(folder / kTrialsFile, csv_header(kTrialColumns) + "\n");
+  synth::PendingFile file(folder / kTrialsFile, trial_header(table.wide()) + "\n");
   std::string rows;
   for_each([&](const TrialRecord& record) {
-    rows += to_csv_row(record);
+    rows += to_csv_row(record, table.wide());
     if (rows.size() >= kBuffer) file.append(std::exchange(rows, {}));
     if (!table.shard()) summary.add(record);
   });
@@ -65,9 +66,14 @@ StudySummary write_tables(const fs::path& folder, const TrialTable& table, const
   file.commit();
 
   if (table.shard()) return summary;
-  std::string cells = csv_header(kCellColumns) + "\n";
-  for (const CellSummary& cell : summary.cells()) cells += to_csv_row(cell);
+  std::string cells = cell_header(table.wide()) + "\n";
+  for (const CellSummary& cell : summary.cells()) cells += to_csv_row(cell, table.wide());
   replace_file(folder / kCellsFile, cells);
+  if (const std::optional<SolverComparison> comparison = summary.comparison()) {
+    replace_file(folder / kPairsFile, pairs_csv(*comparison));
+    replace_file(folder / kSolversFile, solvers_csv(*comparison));
+    replace_file(folder / kCurvesFile, curves_csv(*comparison));
+  }
   return summary;
 }
 
@@ -85,14 +91,14 @@ void write_limits(const fs::path& folder, const std::vector<LimitRecord>& limits
 }  // namespace
 
 StudyFolder::StudyFolder(fs::path folder, TrialTable& table, const RunFacts& facts, bool fresh)
-    : folder_(std::move(folder)) {
+    : folder_(std::move(folder)), wide_(table.wide()) {
   require_writable_folder(folder_);
   lock_.emplace(folder_);
   if (fresh) remove_study(folder_);
   if (holds_study(folder_)) resume(table);
 
   replace_file(folder_ / kSummaryFile, summary_json(table, facts));
-  if (table.filled() == 0) replace_file(folder_ / kTrialsFile, csv_header(kTrialColumns) + "\n");
+  if (table.filled() == 0) replace_file(folder_ / kTrialsFile, trial_header(table.wide()) + "\n");
   trials_.open(folder_ / kTrialsFile, std::ios::binary | std::ios::app);
 }
 
@@ -103,11 +109,13 @@ void StudyFolder::resume(TrialTable& table) {
 }
 
 void StudyFolder::read_trials(TrialTable& table) {
-  for_each_whole_row(folder_ / kTrialsFile, csv_header(kTrialColumns),
-                     [&](std::string_view line) { table.put(parse_trial_row(line)); });
+  for_each_whole_row(folder_ / kTrialsFile, trial_header(table.wide()),
+                     [&](std::string_view line) { table.put(parse_trial_row(line, table.wide())); });
 }
 
-void StudyFolder::append(const TrialRecord& record) { append_row(trials_, to_csv_row(record), folder_ / kTrialsFile); }
+void StudyFolder::append(const TrialRecord& record) {
+  append_row(trials_, to_csv_row(record, wide_), folder_ / kTrialsFile);
+}
 
 StudySummary StudyFolder::finish(const TrialTable& table, RunFacts facts) {
   trials_.close();

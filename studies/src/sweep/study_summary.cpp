@@ -12,10 +12,41 @@
 namespace consimd::studies {
 namespace {
 
+// Keys of what goes beyond the paper's study. Summaries of the paper's do not have them.
+constexpr const char* kFamily = "family";
+constexpr const char* kScale = "scale";
+constexpr const char* kBoundFactor = "bound factor";
+constexpr const char* kNoPose = "no pose";
+
+/// Names of values.
+template <typename Value>
+Json names(const std::vector<Value>& values) {
+  Json texts = Json::array();
+  for (const Value& value : values) texts.push_back(to_string(value));
+  return texts;
+}
+
+/// Inverse of it.
+template <typename Parse>
+auto parsed(const Json& texts, const Parse& parse) {
+  std::vector<decltype(parse(std::string_view()))> values;
+  for (const std::string& text : texts.get<std::vector<std::string>>()) values.push_back(parse(text));
+  return values;
+}
+
+void add_conditions(Json& json, const SweepOptions& options) {
+  json[kFamily] = options.families;
+  json[kScale] = names(options.scales);
+  json[kBoundFactor] = names(options.bound_factors);
+  json[kNoPose] = options.no_pose;
+}
+
 Json to_json(const SweepOptions& options) {
   Json json{{"points", options.points}, {"outliers", options.outlier_ratios}, {"sigma", options.sigmas},
             {"trials", options.trials}, {"solver", options.solvers},          {"filter", to_string(options.filter)},
             {"seed", options.seed}};
+  if (options.points.size() == 1) json["points"] = options.points.front();
+  if (options.beyond_paper()) add_conditions(json, options);
   if (!options.outside.empty()) json["outside"] = outside_json(options.outside);
   return json;
 }
@@ -24,7 +55,12 @@ Json to_json(const SweepOptions& options) {
 std::string with_study(Json summary, const TrialTable& table, bool complete) {
   summary["options"] = to_json(table.options());
   if (table.shard()) summary["shard"] = to_string(*table.shard());
-  summary["noise_bound"] = "3 sigma";
+  summary["noise_bound"] = table.wide() ? "3 sigma times the bound factor, or estimated" : "3 sigma";
+  if (table.wide()) {
+    summary["success"] =
+        "RMSE of the true inliers below 3 sigma; without Gaussian noise, mean square less than 6 "
+        "sigma^2 above the oracle's";
+  }
   summary["recall_interval"] = "Wilson, 95 %";
   summary["trials_total"] = table.size();
   summary["trials_done"] = table.filled();
@@ -40,12 +76,21 @@ Json parse(std::string_view summary) {
 
 /// A whole number that a 32-bit or 64-bit option can hold: JSON would convert any other without a word.
 template <typename Number>
-void read_whole_number(const Json& options, const char* key, Number& number) {
-  const Json& value = options.at(key);
+void read_whole_number(const Json& value, const char* key, Number& number) {
   if (!value.is_number_unsigned() || value.get<std::uint64_t>() > std::numeric_limits<Number>::max()) {
     throw std::invalid_argument(fmt::format("not the summary of a study: bad {}", key));
   }
   number = value.get<Number>();
+}
+
+/// One number, or several.
+std::vector<std::size_t> read_points(const Json& options) {
+  const Json& value = options.at("points");
+  std::vector<std::size_t> points;
+  for (const Json& number : value.is_array() ? value : Json::array({value})) {
+    read_whole_number(number, "points", points.emplace_back());
+  }
+  return points;
 }
 
 std::string shown(const std::optional<Shard>& shard) {
@@ -85,7 +130,17 @@ std::string difference(std::string_view summary, const TrialTable& table) {
 }
 
 std::string difference_but_shard(std::string_view summary, const SweepOptions& options) {
-  return difference(summary, to_json(options));
+  // Both sides say all: a study that lacks a key is the paper's in it.
+  Json there = parse(summary);
+  Json paper = Json::object();
+  add_conditions(paper, SweepOptions());
+  if (there["options"].is_object()) {
+    paper.update(there["options"]);
+    there["options"] = paper;
+  }
+  Json here = to_json(options);
+  add_conditions(here, options);
+  return difference(summary_text(there), here);
 }
 
 SweepOptions options_of(std::string_view summary) {
@@ -93,13 +148,19 @@ SweepOptions options_of(std::string_view summary) {
   SweepOptions options;
   try {
     const Json& there = json["options"];
-    read_whole_number(there, "points", options.points);
+    options.points = read_points(there);
     there.at("outliers").get_to(options.outlier_ratios);
     there.at("sigma").get_to(options.sigmas);
-    read_whole_number(there, "trials", options.trials);
+    read_whole_number(there.at("trials"), "trials", options.trials);
     there.at("solver").get_to(options.solvers);
     options.filter = filter_by_name(there.at("filter").get<std::string>());
-    read_whole_number(there, "seed", options.seed);
+    read_whole_number(there.at("seed"), "seed", options.seed);
+    if (there.contains(kFamily)) {
+      there.at(kFamily).get_to(options.families);
+      options.scales = parsed(there.at(kScale), scale_knowledge_by_name);
+      options.bound_factors = parsed(there.at(kBoundFactor), parse_bound_factor);
+      there.at(kNoPose).get_to(options.no_pose);
+    }
     if (there.contains("outside")) options.outside = outside_of(there.at("outside"));
   } catch (const Json::exception& error) {
     throw std::invalid_argument(fmt::format("not the summary of a study: {}", error.what()));

@@ -22,7 +22,7 @@ using Take = std::function<void(const TrialRecord&)>;
 /// Rows on their way to a file that is gone at the end.
 class RowFile {
  public:
-  explicit RowFile(const fs::path& beside) : file_(beside, csv_header(kTrialColumns) + "\n") {}
+  RowFile(const fs::path& beside, const std::string& header) : file_(beside, header + "\n") {}
 
   void add(std::string_view row) {
     buffer_.append(row).push_back('\n');
@@ -47,8 +47,8 @@ class RowFile {
 
 void sort_in_memory(const fs::path& path, const TrialTable& table, const Take& take) {
   std::vector<std::pair<std::size_t, TrialRecord>> records;
-  for_each_whole_row(path, csv_header(kTrialColumns), [&](std::string_view line) {
-    TrialRecord record = parse_trial_row(line);
+  for_each_whole_row(path, trial_header(table.wide()), [&](std::string_view line) {
+    TrialRecord record = parse_trial_row(line, table.wide());
     const std::size_t slot = table.slot_of(record);
     records.emplace_back(slot, std::move(record));
   });
@@ -68,9 +68,11 @@ void for_each_sorted(const fs::path& trials, const TrialTable& table, const Take
   const std::size_t share = (table.slots() + count - 1) / count;  // slots of a file
   std::vector<std::unique_ptr<RowFile>> files;
   files.reserve(count);
-  for (std::size_t i = 0; i < count; ++i) files.push_back(std::make_unique<RowFile>(trials));
-  for_each_whole_row(trials, csv_header(kTrialColumns),
-                     [&](std::string_view line) { files[table.slot_of(parse_trial_row(line)) / share]->add(line); });
+  const std::string header = trial_header(table.wide());
+  for (std::size_t i = 0; i < count; ++i) files.push_back(std::make_unique<RowFile>(trials, header));
+  for_each_whole_row(trials, header, [&](std::string_view line) {
+    files[table.slot_of(parse_trial_row(line, table.wide())) / share]->add(line);
+  });
   for (std::unique_ptr<RowFile>& file : files) {
     sort_in_memory(file->path(), table, take);
     file.reset();

@@ -3,11 +3,13 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
 
 #include <consimd/kernels/export.hpp>
+#include <consimd/studies/solver_comparison.hpp>
 #include <consimd/studies/statistics.hpp>
 #include <consimd/studies/table_columns.hpp>
 #include <consimd/studies/trial_table.hpp>
@@ -21,7 +23,16 @@ struct PoseError {
   double translation = 0.0;
 };
 
-/// The trials of one solver at one outlier ratio and noise level. Errors are means over all trials, failures included.
+/// Shares of trials by their outcome, which add up to 1, and of what the paper's measure says of the oracle.
+struct OutcomeShares {
+  double right = 0.0;
+  double wrong = 0.0;
+  double refused = 0.0;
+  double ambiguous = 0.0;
+};
+
+/// The trials of one solver in one condition at one outlier ratio and noise level. Recall and errors are means over all
+/// trials with a true pose, failures included.
 struct CellSummary {
   std::string solver;
   double outlier_ratio = 0.0;
@@ -32,9 +43,19 @@ struct CellSummary {
   PoseError error = {};
   PoseError oracle_error = {};
   double seconds_median = 0.0;
+
+  // What a study beyond the paper's tells besides.
+  std::string family = {};
+  std::string scale = {};
+  std::uint64_t points = 0;
+  std::string bound_factor = {};
+  OutcomeShares outcomes = {};
+  std::uint32_t without_pose = 0;
+  std::uint32_t wrong_without_pose = 0;
+  double oracle_within_3_sigma = 0.0;
 };
 
-/// The cells of one solver and outlier ratio, over all noise levels.
+/// The cells of one solver, condition and outlier ratio, over all noise levels.
 struct RatioSummary {
   std::string solver;
   double outlier_ratio = 0.0;
@@ -44,6 +65,8 @@ struct RatioSummary {
   PoseError oracle_error = {};
   PoseError worst_ratio = {};   ///< largest quotient of a cell's mean error and the oracle's
   double seconds_median = 0.0;  ///< over all trials
+  Condition condition = {};
+  OutcomeShares outcomes = {};
 };
 
 inline constexpr std::tuple kCellColumns{
@@ -66,30 +89,77 @@ inline constexpr std::tuple kCellColumns{
     Column{"seconds_median", &CellSummary::seconds_median, "median time of a registration"},
 };
 
-/// A line with its newline.
-[[nodiscard]] std::string to_csv_row(const CellSummary& cell);
+/// The columns that a study beyond the paper's has before those above.
+inline constexpr std::tuple kCellConditionColumns{
+    Column{"family", &CellSummary::family, "family of the problems"},
+    Column{"scale", &CellSummary::scale, "unknown: the solver has to find the scale of the source; else known"},
+    Column{"points", &CellSummary::points, "correspondences of a problem"},
+    Column{"bound_factor", &CellSummary::bound_factor,
+           "noise bound given over 3 sigma; estimated: the solver was given none"},
+    Column{"success_share", member_of(&CellSummary::outcomes, &OutcomeShares::right),
+           "share of all trials whose outcome is success"},
+    Column{"wrong_success_share", member_of(&CellSummary::outcomes, &OutcomeShares::wrong),
+           "share of all trials with a pose that is wrong and not called ambiguous"},
+    Column{"refused_share", member_of(&CellSummary::outcomes, &OutcomeShares::refused),
+           "share of all trials without a pose"},
+    Column{"ambiguous_share", member_of(&CellSummary::outcomes, &OutcomeShares::ambiguous),
+           "share of all trials with the status ambiguous, right or wrong"},
+    Column{"without_pose", &CellSummary::without_pose,
+           "problems without a true pose; recall and errors are over the others"},
+    Column{"wrong_without_pose", &CellSummary::wrong_without_pose, "those of them with the outcome wrong_success"},
+    Column{"oracle_within_3_sigma", &CellSummary::oracle_within_3_sigma,
+           "share of the problems with a true pose in which the oracle's RMSE is below 3 sigma"},
+};
+inline constexpr auto kWideCellColumns = std::tuple_cat(kCellConditionColumns, kCellColumns);
 
-/// Both, made of the records of a study one by one. Holds those of one cell, and all times of one outlier ratio.
+/// The first line of cells.csv, without its newline. `wide`: of a study beyond the paper's.
+[[nodiscard]] std::string cell_header(bool wide);
+
+/// A line with its newline.
+[[nodiscard]] std::string to_csv_row(const CellSummary& cell, bool wide = false);
+
+/// Records that are kept to compare solvers, some 100 MB.
+inline constexpr std::size_t kMostCompared = std::size_t{1} << 18U;
+
+/// Both, made of the records of a study one by one. Holds those of one cell, and all times of one outlier ratio; of a
+/// study with several solvers and no more than `kMostCompared` trials, all.
 class StudySummary {
  public:
   explicit StudySummary(const SweepOptions& options)
-      : trials_(options.trials), levels_(options.sigmas.size()), solvers_(options.solvers.size()) {}
+      : trials_(options.trials),
+        levels_(options.sigmas.size()),
+        ratios_(options.outlier_ratios.size()),
+        solvers_(options.solvers.size()),
+        wide_(options.beyond_paper()),
+        seed_(options.seed),
+        compares_(options.solvers.size() > 1 && options.cells() <= kMostCompared / options.trials),
+        conditions_(options.conditions()) {}
 
   /// Records must come in the order of the table, all of them.
   void add(const TrialRecord& record);
 
   /// In the order of the table.
   [[nodiscard]] const std::vector<CellSummary>& cells() const noexcept { return cells_; }
-  /// Ordered by outlier ratio, then solver, so that solvers stand beside each other.
+  /// Ordered by condition, outlier ratio, then solver, so that solvers stand beside each other.
   [[nodiscard]] std::vector<RatioSummary> ratios() const;
   [[nodiscard]] const FailureCounts& failures() const noexcept { return failures_; }
+  /// Solvers beside each other, of all records; none of a study with one solver or too many trials.
+  [[nodiscard]] std::optional<SolverComparison> comparison() const;
+  /// Whether it is one of a study beyond the paper's.
+  [[nodiscard]] bool wide() const noexcept { return wide_; }
 
  private:
   std::size_t trials_;
   std::size_t levels_;
+  std::size_t ratios_;
   std::size_t solvers_;
+  bool wide_;
+  std::uint64_t seed_;
+  bool compares_;
+  std::vector<Condition> conditions_;
   std::vector<TrialRecord> open_;  // of a cell
   std::vector<double> seconds_;    // of an outlier ratio
+  std::vector<TrialRecord> compared_;
   FailureCounts failures_;
   std::vector<CellSummary> cells_;
   std::vector<RatioSummary> rows_;  // in the order of the table

@@ -57,6 +57,9 @@ inline constexpr std::tuple kLimitColumns{
 /// the bound of a given pose. A chance support below three counts as three: every pose has those that made it.
 [[nodiscard]] double limit_outlier_ratio(std::size_t points, double chance_support, double fixed_support);
 
+/// Throws std::invalid_argument on a study beyond the paper's: the limit is that of its problems.
+void require_limits(const SweepOptions& options);
+
 /// The noise levels that a shard measures, or all, in the order of the options.
 [[nodiscard]] std::vector<double> limit_levels(const SweepOptions& options, const std::optional<Shard>& shard);
 
@@ -67,8 +70,9 @@ struct LimitControl {
   std::function<bool()> stop_requested = {};
 };
 
-/// Runs the default solver on `kLimitProblems` problems of `options.points` correspondences that are all outliers, in
-/// parallel in the caller's arena. Problem k depends on (options.seed, sigma, k) alone. Nothing if it was stopped.
+/// Runs the default solver on `kLimitProblems` problems of so many correspondences as the study's that are all
+/// outliers, in parallel in the caller's arena. Problem k depends on (options.seed, sigma, k) alone. Nothing if it was
+/// stopped.
 [[nodiscard]] std::optional<LimitRecord> measure_limit(const SweepOptions& options, double sigma,
                                                        const LimitControl& control = {});
 

@@ -23,9 +23,14 @@ inline constexpr std::string_view kTrialsFile = "trials.csv";
 inline constexpr std::string_view kCellsFile = "cells.csv";
 inline constexpr std::string_view kLimitsFile = "limits.csv";
 inline constexpr std::string_view kSummaryFile = "summary.json";
+// Of several solvers beside each other, see solver_comparison.hpp.
+inline constexpr std::string_view kPairsFile = "pairs.csv";
+inline constexpr std::string_view kSolversFile = "solvers.csv";
+inline constexpr std::string_view kCurvesFile = "curves.csv";
 
-/// The output folder of a study: trials.csv, cells.csv, summary.json, and limits.csv if asked for. That of a shard has
-/// no cells.csv: its cells lack trials.
+/// The output folder of a study: trials.csv, cells.csv, summary.json, limits.csv if asked for, and pairs.csv,
+/// solvers.csv and curves.csv of one that compares solvers. That of a shard has no cells.csv and none of the latter:
+/// its cells lack trials.
 ///
 /// While a study runs, trials.csv and limits.csv grow by a whole line a trial or noise level, in the order in which
 /// these end; a line that a crash cut short is dropped on resuming. `finish` replaces trials.csv by the sorted table.
@@ -58,6 +63,7 @@ class StudyFolder {
   void read_limits(const TrialTable& table);
 
   std::filesystem::path folder_;
+  bool wide_;  ///< rows of a study beyond the paper's
   std::optional<FolderLock> lock_;
   std::ofstream trials_;
   std::ofstream limits_file_;

@@ -29,6 +29,18 @@ struct TrialRecord {
   double inlier_recall = 0.0;
   double seconds = 0.0;
 
+  // What a study beyond the paper's tells besides.
+  std::string family = {};
+  std::string scale = {};
+  std::uint64_t points = 0;
+  std::string bound_factor = {};
+  bool true_pose = true;
+  std::string outcome = {};
+  double rmse_limit = 0.0;
+  double oracle_rmse_true_inliers = 0.0;
+  double scale_error = 0.0;
+  double noise_bound = 0.0;
+
   bool operator==(const TrialRecord&) const = default;
 };
 
@@ -39,7 +51,9 @@ inline constexpr std::tuple kTrialColumns{
     Column{"trial", &TrialRecord::trial, "number of the problem in its cell, from 0"},
     Column{"seed", &TrialRecord::seed, "the solver's seed"},
     Column{"status", &TrialRecord::status, "why the solver stopped; crashed or timed_out of an outside program"},
-    Column{"success", &TrialRecord::success, "1: a pose, and an RMSE of the true inliers below 3 sigma; else 0"},
+    Column{"success", &TrialRecord::success,
+           "1: a pose, and an RMSE of the true inliers below 3 sigma, or below rmse_limit where there is that column; "
+           "else 0"},
     Column{"rmse_true_inliers", &TrialRecord::rmse_true_inliers,
            "root mean square residual of the true inliers under the pose, metres; without a pose, here and in the "
            "errors, under the identity"},
@@ -55,11 +69,42 @@ inline constexpr std::tuple kTrialColumns{
     Column{"seconds", &TrialRecord::seconds, "time of the registration alone"},
 };
 
+// Outcomes. An ambiguous pose is an answer with a warning, right or wrong, so these are exclusive where `success` and
+// the status ambiguous are not.
+inline constexpr std::string_view kRight = "success";
+inline constexpr std::string_view kWrong = "wrong_success";
+inline constexpr std::string_view kRefused = "refused";
+inline constexpr std::string_view kAmbiguous = "ambiguous";
+
+/// The columns that a study beyond the paper's has before those above.
+inline constexpr std::tuple kTrialConditionColumns{
+    Column{"family", &TrialRecord::family, "family of the problem"},
+    Column{"scale", &TrialRecord::scale, "unknown: the solver has to find the scale of the source; else known"},
+    Column{"points", &TrialRecord::points, "correspondences of the problem"},
+    Column{"bound_factor", &TrialRecord::bound_factor,
+           "noise bound given over 3 sigma; estimated: the solver was given none"},
+    Column{"true_pose", &TrialRecord::true_pose,
+           "1: the problem has a true pose; 0: it has none, then the errors of the pose and the oracle are NaN"},
+    Column{"outcome", &TrialRecord::outcome,
+           "ambiguous: by its status; else success, wrong_success (a pose that is wrong) or refused (no pose)"},
+    Column{"rmse_limit", &TrialRecord::rmse_limit, "RMSE of the true inliers below which a pose succeeds, metres"},
+    Column{"oracle_rmse_true_inliers", &TrialRecord::oracle_rmse_true_inliers,
+           "root mean square residual of the true inliers under the oracle's pose, metres"},
+    Column{"scale_error", &TrialRecord::scale_error, "relative error of the scale found; 0 where it is known"},
+    Column{"noise_bound", &TrialRecord::noise_bound, "noise bound that the solver used, metres"},
+};
+inline constexpr auto kWideTrialColumns = std::tuple_cat(kTrialConditionColumns, kTrialColumns);
+
+// In what follows `wide` is `SweepOptions::beyond_paper` of the study: its rows have all columns.
+
+/// The first line of trials.csv, without its newline.
+[[nodiscard]] std::string trial_header(bool wide);
+
 /// A line with its newline. Numbers read back to the same bits.
-[[nodiscard]] std::string to_csv_row(const TrialRecord& record);
+[[nodiscard]] std::string to_csv_row(const TrialRecord& record, bool wide = false);
 
 /// Inverse of `to_csv_row`, the newline left out. Throws std::invalid_argument that says what is wrong.
-[[nodiscard]] TrialRecord parse_trial_row(std::string_view line);
+[[nodiscard]] TrialRecord parse_trial_row(std::string_view line, bool wide = false);
 
 }  // namespace studies
 }  // namespace consimd
