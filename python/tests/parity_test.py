@@ -20,9 +20,9 @@ CPP_ALONE = {
                  "weighted_histogram_sum", "best_matches", "nearest_within"}
     # What elementary_functions.hpp has is of the library's own use; NumPy has such.
     | {"log", "log10", "log1p", "exp", "expm1", "tanh", "cbrt", "sine_cosine", "atan2", "asin", "acos"},
-    "poses": {"column_points", "row_points"},
-    "synth": {"stand_in", "read_correspondences", "read_pose", "read_scaled_pose", "read_problem", "write_pose",
-              "nearest_pose", "labelled_problem"}
+    "poses": {"column_points", "row_points", "points_of", "point_pairs"},
+    "synth": {"stand_in", "problem_family", "read_correspondences", "read_pose", "read_scaled_pose", "read_problem",
+              "write_pose", "nearest_pose", "labelled_problem"}
     | {"with_far_rows", "with_rows_without_depth", "repeated_targets", "all_to_all", "symmetric_part"}
     | {"read_text", "remove_abandoned_files"},
     # Files, the parts that match_clouds is made of, and what consimd.features calls normals.

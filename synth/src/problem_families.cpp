@@ -174,10 +174,8 @@ Problem family_problem(std::string_view family, const NoiseStudyOptions& options
                                  .seed = options.seed,
                                  .trial = options.trial,
                                  .scale = options.scale};
-  if (!(paper.outlier_ratio >= 0.0 && paper.outlier_ratio <= 1.0) || paper.correspondences < 1) {
-    return hard_problem(paper);
-  }
-  return declared.make(paper);
+  const bool in_range = paper.outlier_ratio >= 0.0 && paper.outlier_ratio <= 1.0 && paper.correspondences >= 1;
+  return in_range ? declared.make(paper) : hard_problem(paper);
 }
 
 }  // namespace consimd::synth

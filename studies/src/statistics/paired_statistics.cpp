@@ -57,7 +57,8 @@ double mcnemar_p_value(std::size_t only_a, std::size_t only_b) {
 
 std::vector<double> holm_adjusted(const std::vector<double>& p_values) {
   for (const double p : p_values) {
-    if (!(p >= 0.0 && p <= 1.0)) throw std::invalid_argument(fmt::format("p-value {}: expected one in [0, 1]", p));
+    const bool is_probability = p >= 0.0 && p <= 1.0;
+    if (!is_probability) throw std::invalid_argument(fmt::format("p-value {}: expected one in [0, 1]", p));
   }
   std::vector<std::size_t> order(p_values.size());
   std::iota(order.begin(), order.end(), std::size_t{0});
@@ -72,7 +73,8 @@ std::vector<double> holm_adjusted(const std::vector<double>& p_values) {
 }
 
 double quantile(std::vector<double> values, double q) {
-  if (!(q > 0.0 && q <= 1.0)) throw std::invalid_argument(fmt::format("quantile {}: expected one in (0, 1]", q));
+  const bool is_share = q > 0.0 && q <= 1.0;
+  if (!is_share) throw std::invalid_argument(fmt::format("quantile {}: expected one in (0, 1]", q));
   if (std::ranges::any_of(values, [](double value) { return std::isnan(value); })) {
     throw std::invalid_argument("quantile of values of which one is NaN");
   }

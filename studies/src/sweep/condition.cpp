@@ -30,11 +30,13 @@ std::string to_string(const BoundFactor& factor) {
 
 BoundFactor parse_bound_factor(std::string_view text) {
   if (text == kEstimated) return std::nullopt;
+  double factor = 0.0;
   try {
-    if (const double factor = parse_number(text); factor > 0.0) return factor;
+    factor = parse_number(text);
   } catch (const std::invalid_argument&) {
-    // The message below says more.
+    factor = 0.0;  // no better than this one: the message below says more
   }
+  if (factor > 0.0) return factor;
   throw std::invalid_argument(fmt::format("bound_factor: expected a number > 0 or {}, got '{}'", kEstimated, text));
 }
 
