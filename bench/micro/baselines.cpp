@@ -8,16 +8,16 @@ namespace {
 
 /// counts[h] = count(h) for a batch of hypotheses.
 template <typename Count>
-void fill_counts(Outcome& out, const Count& count) {
-  out.counts.resize(kBatch);
-  for (std::size_t h = 0; h < kBatch; ++h) out.counts[h] = count(h);
+void fill_counts(Outcome& out, std::size_t batch, const Count& count) {
+  out.counts.resize(batch);
+  for (std::size_t h = 0; h < batch; ++h) out.counts[h] = count(h);
 }
 
 /// The same for baselines that store the set, as bytes or row numbers, in `set`; its size or sum is the count.
 template <typename Collect>
-Call eigen_sets(Collect collect) {
-  return [collect, set = std::vector<std::uint32_t>()](Outcome& out) mutable {
-    fill_counts(out, [&](std::size_t h) {
+Call eigen_sets(const Workload& w, Collect collect) {
+  return [&w, collect, set = std::vector<std::uint32_t>()](Outcome& out) mutable {
+    fill_counts(out, w.batch(), [&](std::size_t h) {
       collect(h, &set);
       return static_cast<std::uint32_t>(set.size());
     });
@@ -26,8 +26,8 @@ Call eigen_sets(Collect collect) {
 
 template <typename Mark>
 Call loop_sets(const Workload& w, Mark mark) {
-  return [mark, passes = std::vector<std::uint8_t>(w.size())](Outcome& out) mutable {
-    fill_counts(out, [&](std::size_t h) {
+  return [&w, mark, passes = std::vector<std::uint8_t>(w.size())](Outcome& out) mutable {
+    fill_counts(out, w.batch(), [&](std::size_t h) {
       mark(h, passes.data());
       return static_cast<std::uint32_t>(std::count(passes.begin(), passes.end(), std::uint8_t{1}));
     });
@@ -144,18 +144,19 @@ Call loop_row_sums(const Workload& w) {
 
 Call eigen_length_counts(const Workload& w) {
   return [&w](Outcome& out) {
-    fill_counts(out, [&](std::size_t h) { return eigen::length_count(w.eigen, w.seeds[h], w.consistency_bound); });
+    fill_counts(out, w.batch(),
+                [&](std::size_t h) { return eigen::length_count(w.eigen, w.seeds[h], w.consistency_bound); });
   };
 }
 template <auto kCount>
 Call loop_length_counts(const Workload& w) {
   return [&w](Outcome& out) {
-    fill_counts(out, [&](std::size_t h) { return kCount(w.loop, w.seeds[h], w.loop_consistency_bound); });
+    fill_counts(out, w.batch(), [&](std::size_t h) { return kCount(w.loop, w.seeds[h], w.loop_consistency_bound); });
   };
 }
 Call eigen_length_sets(const Workload& w) {
   return eigen_sets(
-      [&w](std::size_t h, auto* set) { eigen::length_set(w.eigen, w.seeds[h], w.consistency_bound, set); });
+      w, [&w](std::size_t h, auto* set) { eigen::length_set(w.eigen, w.seeds[h], w.consistency_bound, set); });
 }
 Call loop_length_sets(const Workload& w) {
   return loop_sets(w, [&w](std::size_t h, std::uint8_t* passes) {
@@ -165,7 +166,7 @@ Call loop_length_sets(const Workload& w) {
 
 Call eigen_angle_counts(const Workload& w) {
   return [&w](Outcome& out) {
-    fill_counts(out, [&](std::size_t h) {
+    fill_counts(out, w.batch(), [&](std::size_t h) {
       return eigen::angle_count(w.eigen, w.pairs[h].first, w.pairs[h].second, w.consistency_bound);
     });
   };
@@ -173,13 +174,13 @@ Call eigen_angle_counts(const Workload& w) {
 template <auto kCount>
 Call loop_angle_counts(const Workload& w) {
   return [&w](Outcome& out) {
-    fill_counts(out, [&](std::size_t h) {
+    fill_counts(out, w.batch(), [&](std::size_t h) {
       return kCount(w.loop, w.pairs[h].first, w.pairs[h].second, w.loop_consistency_bound);
     });
   };
 }
 Call eigen_angle_sets(const Workload& w) {
-  return eigen_sets([&w](std::size_t h, auto* set) {
+  return eigen_sets(w, [&w](std::size_t h, auto* set) {
     eigen::angle_set(w.eigen, w.pairs[h].first, w.pairs[h].second, w.consistency_bound, set);
   });
 }
@@ -191,18 +192,19 @@ Call loop_angle_sets(const Workload& w) {
 
 Call eigen_alignment_counts(const Workload& w) {
   return [&w](Outcome& out) {
-    fill_counts(out, [&](std::size_t h) { return eigen::alignment_count(w.eigen, w.eigen_poses[h], w.noise_bound); });
+    fill_counts(out, w.batch(),
+                [&](std::size_t h) { return eigen::alignment_count(w.eigen, w.eigen_poses[h], w.noise_bound); });
   };
 }
 template <auto kCount>
 Call loop_alignment_counts(const Workload& w) {
   return [&w](Outcome& out) {
-    fill_counts(out, [&](std::size_t h) { return kCount(w.loop, w.loop_poses[h], w.loop_noise_bound); });
+    fill_counts(out, w.batch(), [&](std::size_t h) { return kCount(w.loop, w.loop_poses[h], w.loop_noise_bound); });
   };
 }
 Call eigen_alignment_sets(const Workload& w) {
   return eigen_sets(
-      [&w](std::size_t h, auto* set) { eigen::alignment_set(w.eigen, w.eigen_poses[h], w.noise_bound, set); });
+      w, [&w](std::size_t h, auto* set) { eigen::alignment_set(w.eigen, w.eigen_poses[h], w.noise_bound, set); });
 }
 Call loop_alignment_sets(const Workload& w) {
   return loop_sets(w, [&w](std::size_t h, std::uint8_t* passes) {
@@ -211,16 +213,16 @@ Call loop_alignment_sets(const Workload& w) {
 }
 Call eigen_alignment_scores(const Workload& w) {
   return [&w](Outcome& out) {
-    out.support.resize(kBatch);
-    for (std::size_t h = 0; h < kBatch; ++h) {
+    out.support.resize(w.batch());
+    for (std::size_t h = 0; h < w.batch(); ++h) {
       out.support[h].score = static_cast<float>(eigen::alignment_score(w.eigen, w.eigen_poses[h], w.noise_bound));
     }
   };
 }
 Call loop_alignment_scores(const Workload& w) {
   return [&w](Outcome& out) {
-    out.support.resize(kBatch);
-    for (std::size_t h = 0; h < kBatch; ++h) {
+    out.support.resize(w.batch());
+    for (std::size_t h = 0; h < w.batch(); ++h) {
       out.support[h].score = loop::alignment_score(w.loop, w.loop_poses[h], w.loop_noise_bound);
     }
   };

@@ -20,7 +20,7 @@ class Results:
     def __init__(self, path):
         with open(path, encoding="utf-8") as file:
             run = json.load(file)
-        self.context = {key: run["context"][key] for key in CONTEXT if key in run["context"]}
+        self.context = context_of(run)
         self.values = run["results"] if "results" in run else medians(run["benchmarks"])
 
     def isas(self):
@@ -44,10 +44,53 @@ class Results:
         return sorted(values["cv"] for values in self.values.values() if "cv" in values)
 
 
+class PortBounds:
+    """What the execution ports of a processor allow, from a file such as port_bounds_zen4.json: operations of a kernel's
+    loop by kind of pipe, as counted in its disassembly, and the cycles that they take at least."""
+
+    def __init__(self, path):
+        with open(path, encoding="utf-8") as file:
+            bounds = json.load(file)
+        self.processor, self.isa, self.loops = bounds["processor"], bounds["isa"], bounds["loops"]
+        self.correspondences = bounds["correspondences"]  # that a loop's counts are for
+
+    def rate(self, loop, clock):
+        """Items a second at a clock in cycles a second."""
+        return self.correspondences * clock / loop["cycles"]
+
+
+def context_of(run):
+    return {key: run["context"][key] for key in CONTEXT if key in run["context"]}
+
+
+def name_of(entry):
+    return entry["run_name"].split("/iterations:")[0]
+
+
+def speed(values):
+    """Items a second, or calls where nothing is counted."""
+    if "items_per_second" in values:
+        return values["items_per_second"]
+    return 1e3 / next(values[key] for key in ("median_ms", "mean_ms", "real_time") if key in values)
+
+
+def speeds(run):
+    """Of every benchmark, in all repetitions; of what is kept, the median alone."""
+    if "results" in run:
+        return {name: [speed(values)] for name, values in run["results"].items()}
+    found = {}
+    for entry in run["benchmarks"]:
+        if entry["run_type"] == "iteration" and not entry.get("error_occurred"):
+            found.setdefault(name_of(entry), []).append(speed(entry))
+    if not found:
+        found = {name: [speed(values)] for name, values in medians(run["benchmarks"]).items()}
+    return found
+
+
 def medians(benchmarks):
     chosen, spreads = {}, {}
     for entry in benchmarks:
-        name = entry["run_name"].split("/iterations:")[0]
+        name = name_of(entry)
         if entry.get("error_occurred"):
             print(f"left out, {entry['error_message']}: {name}", file=sys.stderr)
         elif entry["run_type"] == "iteration":

@@ -12,8 +12,6 @@
 namespace consimd::bench {
 namespace {
 
-constexpr std::size_t kSizes[] = {1'000, 3'000, 10'000, 100'000};
-
 Outcome reference_outcome(const Kernel& kernel, const Workload& w) {
   set_active_isa(Isa::scalar);
   Outcome outcome;
@@ -23,9 +21,14 @@ Outcome reference_outcome(const Kernel& kernel, const Workload& w) {
 
 using Agrees = bool (*)(const Outcome&, const Outcome& reference);
 
-void measure(benchmark::State& state, const Kernel& kernel, std::size_t size, Isa isa, PrepareCall prepare,
-             Agrees agrees) {
-  const Workload& w = workload(size);
+/// What a kernel is timed on.
+struct Load {
+  std::size_t size;
+  std::size_t batch;
+};
+
+void measure(benchmark::State& state, const Kernel& kernel, Load load, Isa isa, PrepareCall prepare, Agrees agrees) {
+  const Workload& w = workload(load.size, load.batch);
   const Outcome reference = reference_outcome(kernel, w);
   set_active_isa(isa);
   const Call call = prepare(w);
@@ -43,22 +46,27 @@ void measure(benchmark::State& state, const Kernel& kernel, std::size_t size, Is
   state.SetLabel(std::string(kernel.item));
 }
 
-void add(const Kernel& kernel, std::size_t size, std::string_view variant, Isa isa, PrepareCall prepare,
-         Agrees agrees) {
-  const std::string name = fmt::format("{}/{}/{}", kernel.name, size, variant);
+void add(const Kernel& kernel, Load load, std::string_view variant, Isa isa, PrepareCall prepare, Agrees agrees) {
+  std::string name = fmt::format("{}/{}/{}", kernel.name, load.size, variant);
+  if (load.batch != studies::KernelWorkload::kBatch) name += fmt::format("/batch:{}", load.batch);
   benchmark::RegisterBenchmark(
-      name.c_str(), [=, &kernel](benchmark::State& state) { measure(state, kernel, size, isa, prepare, agrees); });
+      name.c_str(), [=, &kernel](benchmark::State& state) { measure(state, kernel, load, isa, prepare, agrees); });
 }
 
 }  // namespace
 
-void register_kernel_benchmarks() {
+void register_kernel_benchmarks(const BenchOptions& options) {
   for (const Kernel& kernel : kernels()) {
-    for (const std::size_t size : kSizes) {
+    for (const std::size_t size : options.sizes) {
       if (size > kernel.largest_size) continue;
-      for (const Isa isa : supported_isas()) add(kernel, size, to_string(isa), isa, kernel.prepare, identical);
-      for (const Baseline& baseline : baselines()) {
-        if (baseline.kernel == kernel.name) add(kernel, size, baseline.name, active_isa(), baseline.prepare, close);
+      for (const std::size_t batch : options.batches) {
+        // What takes no batch is timed once.
+        const Load load{size, takes_batches(kernel) ? batch : studies::KernelWorkload::kBatch};
+        if (!takes_batches(kernel) && batch != options.batches.front()) continue;
+        for (const Isa isa : options.isas) add(kernel, load, to_string(isa), isa, kernel.prepare, identical);
+        for (const Baseline& baseline : baselines()) {
+          if (baseline.kernel == kernel.name) add(kernel, load, baseline.name, active_isa(), baseline.prepare, close);
+        }
       }
     }
   }

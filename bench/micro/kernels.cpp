@@ -16,7 +16,7 @@ constexpr std::size_t kAnySize = 100'000;
 constexpr double kRatioBound = 0.1;
 constexpr std::size_t kMatrixSize = 10'000;  // beyond it the matrix leaves the caches that a registration can count on
 
-std::size_t tests(const Workload& w) { return kBatch * w.size(); }
+std::size_t tests(const Workload& w) { return w.batch() * w.size(); }
 std::size_t correspondences(const Workload& w) { return w.size(); }
 std::size_t distinct_pairs(const Workload& w) { return w.size() * (w.size() - 1) / 2; }
 std::size_t matrix_bits(const Workload& w) { return w.size() * w.size(); }
@@ -24,22 +24,22 @@ std::size_t row_bits(const Workload& w) { return w.rows.size() * w.size(); }
 
 Call length_counts(const Workload& w) {
   return [&w](Outcome& out) {
-    out.counts.resize(kBatch);
+    out.counts.resize(w.batch());
     length_consistency_counts(w.correspondences, w.seeds, w.consistency_bound, out.counts);
   };
 }
 
 Call length_bits(const Workload& w) {
   return [&w](Outcome& out) {
-    out.counts.resize(kBatch);
-    out.bits.resize(kBatch * w.chosen.size());
+    out.counts.resize(w.batch());
+    out.bits.resize(w.batch() * w.chosen.size());
     length_consistency_bits(w.correspondences, w.seeds, w.consistency_bound, out.bits, out.counts);
   };
 }
 
 Call disagreement(const Workload& w) {
   return [&w](Outcome& out) {
-    out.sums.resize(kBatch);
+    out.sums.resize(w.batch());
     length_disagreement(w.correspondences, w.seeds, w.noise_bound, kRatioBound, out.sums);
   };
 }
@@ -59,37 +59,37 @@ Call intervals(const Workload& w) {
 
 Call angle_counts(const Workload& w) {
   return [&w](Outcome& out) {
-    out.counts.resize(kBatch);
+    out.counts.resize(w.batch());
     angle_consistency_counts(w.correspondences, w.pairs, w.consistency_bound, out.counts);
   };
 }
 
 Call angle_bits(const Workload& w) {
   return [&w](Outcome& out) {
-    out.counts.resize(kBatch);
-    out.bits.resize(kBatch * w.chosen.size());
+    out.counts.resize(w.batch());
+    out.bits.resize(w.batch() * w.chosen.size());
     angle_consistency_bits(w.correspondences, w.pairs, w.consistency_bound, out.bits, out.counts);
   };
 }
 
 Call pose_counts(const Workload& w) {
   return [&w](Outcome& out) {
-    out.counts.resize(kBatch);
+    out.counts.resize(w.batch());
     alignment_counts(w.correspondences, w.poses, w.noise_bound, out.counts);
   };
 }
 
 Call pose_scores(const Workload& w) {
   return [&w](Outcome& out) {
-    out.support.resize(kBatch);
+    out.support.resize(w.batch());
     alignment_scores(w.correspondences, w.poses, w.noise_bound, out.support);
   };
 }
 
 Call pose_bits(const Workload& w) {
   return [&w](Outcome& out) {
-    out.counts.resize(kBatch);
-    out.bits.resize(kBatch * w.chosen.size());
+    out.counts.resize(w.batch());
+    out.bits.resize(w.batch() * w.chosen.size());
     alignment_bits(w.correspondences, w.poses, w.noise_bound, out.bits, out.counts);
   };
 }
@@ -160,6 +160,8 @@ Call masked_sums(const Workload& w) {
 }
 
 }  // namespace
+
+bool takes_batches(const Kernel& kernel) { return kernel.items == tests; }
 
 const std::vector<Kernel>& kernels() {
   static const std::vector<Kernel> list{

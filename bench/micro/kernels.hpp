@@ -25,6 +25,9 @@ struct Kernel {
 
 [[nodiscard]] const std::vector<Kernel>& kernels();
 
+/// Whether its work is that of a batch of hypotheses.
+[[nodiscard]] bool takes_batches(const Kernel& kernel);
+
 struct Baseline {
   std::string_view name;    ///< "loop", "textbook" (loop_baseline.hpp) or "eigen" (eigen_baseline.hpp)
   std::string_view kernel;  ///< what it is held against

@@ -1,6 +1,7 @@
 // Benchmarks of the kernels, of the graph stages and of whole registrations; takes Google Benchmark's arguments.
 #include <cstdio>
 #include <exception>
+#include <stdexcept>
 #include <string>
 #include <vector>
 
@@ -9,6 +10,7 @@
 #include <consimd/kernels/isa.hpp>
 
 #include <consimd/studies/build_info.hpp>
+#include "bench_options.hpp"
 #include "clock_benchmark.hpp"
 #include "graph_benchmarks.hpp"
 #include "kernel_benchmarks.hpp"
@@ -39,6 +41,14 @@ void describe_build() {
   context("system", machine.system);
 }
 
+/// The library warns of itself on the standard error, in words that seem to be about the program.
+void explain_warning() {
+  std::fprintf(stderr,
+               "consimd_bench: consimd is built as %s. A warning \"Library was built as DEBUG\" below is about Google "
+               "Benchmark alone, which Debian builds so.\n",
+               std::string(consimd::studies::build_info().build_type).c_str());
+}
+
 }  // namespace
 
 int main(int argc, char** argv) try {
@@ -46,17 +56,21 @@ int main(int argc, char** argv) try {
   std::string min_time = "--benchmark_min_time=0.1";
   std::vector<char*> arguments{argv[0], min_time.data()};
   arguments.insert(arguments.end(), argv + 1, argv + argc);
+  const consimd::bench::BenchOptions options = consimd::bench::take_options(arguments);
   int count = static_cast<int>(arguments.size());
   arguments.push_back(nullptr);
-  benchmark::Initialize(&count, arguments.data());
+  benchmark::Initialize(&count, arguments.data(), consimd::bench::print_help);
   if (benchmark::ReportUnrecognizedArguments(count, arguments.data())) return 2;
   describe_build();
   consimd::bench::register_clock_benchmark();
-  consimd::bench::register_kernel_benchmarks();
+  consimd::bench::register_kernel_benchmarks(options);
   consimd::bench::register_graph_benchmarks();
   consimd::bench::register_refinement_benchmarks();
   consimd::bench::register_registration_benchmarks();
-  benchmark::RunSpecifiedBenchmarks();
+  explain_warning();
+  if (benchmark::RunSpecifiedBenchmarks() == 0) {
+    throw std::invalid_argument("no benchmark matches the filter; --benchmark_list_tests lists all");
+  }
   benchmark::Shutdown();
   return 0;
 } catch (const std::exception& error) {

@@ -1,13 +1,15 @@
 #!/usr/bin/env python3
-"""Draws time and memory over size, and recall over time, from the results of consimd_bench.
+"""Draws rates of kernels and time and memory over size, and recall over time, from the results of consimd_bench.
 
-Usage: plot_performance.py FILE.json DIR      writes DIR/time_over_size.{svg,png} and DIR/recall_over_time.{svg,png}
+Usage: plot_performance.py FILE.json DIR [PORT_BOUNDS.json]
+    writes those of DIR/{kernel_rates,time_over_size,recall_over_time}.{svg,png} that FILE.json has results for.
+    PORT_BOUNDS.json is port_bounds_zen4.json where FILE.json is of such a processor.
 """
 
 import sys
 from pathlib import Path
 
-from bench_results import Results
+from bench_results import PortBounds, Results
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "studies/src/figures"))
 from figure_style import COLUMN_WIDTH, PAGE_WIDTH, STYLE, plt, save  # noqa: E402
@@ -50,6 +52,54 @@ def draw_growth(results, folder):
     save(figure, folder, "time_over_size")
 
 
+KERNELS = {
+    "length_consistency_counts": "length consistency",
+    "angle_consistency_counts": "angle consistency",
+    "alignment_counts": "alignment",
+    "alignment_scores": "alignment scores",
+    "consistency_matrix": "consistency matrix",
+    "weighted_moments": "weighted moments",
+}
+
+
+def draw_kernels(results, bounds, folder):
+    """Rates over size: a panel a kernel, a line an instruction set, and what the ports allow the widest one."""
+    rates = {kernel: {} for kernel in KERNELS}
+    for kernel in KERNELS:
+        for (size, variant, *batch), values in results.under(kernel + "/"):
+            if variant in results.isas() and not batch:
+                rates[kernel].setdefault(variant, []).append((int(size), values["items_per_second"] / 1e9))
+    rates = {kernel: lines for kernel, lines in rates.items() if lines}
+    limits = {}
+    if bounds and "clock" in results.values:
+        clock = results.values["clock"]["items_per_second"]
+        limits = {loop["kernel"]: bounds.rate(loop, clock) / 1e9 for loop in bounds.loops}
+    figure = plt.figure(figsize=(PAGE_WIDTH, 3.8), layout="constrained")
+    grid = figure.add_gridspec(3, 3, height_ratios=(1, 1, 0.09))
+    panels = []
+    for k in range(len(rates)):
+        panels.append(figure.add_subplot(grid[k // 3, k % 3], sharex=panels[0] if panels else None))
+    isas = [isa for isa in results.isas() if any(isa in lines for lines in rates.values())]
+    for ax, (kernel, lines) in zip(panels, rates.items()):
+        for i, isa in enumerate(isas):
+            if isa in lines:
+                ax.plot(*zip(*sorted(lines[isa])), label=isa, **style(i))
+        if kernel in limits:
+            ax.axhline(limits[kernel], label=f"bound by the ports, {bounds.isa}", **REFERENCE)
+        ax.set_title(KERNELS[kernel], fontsize=8)
+        ax.set(xscale="log", ylim=(0, None))
+    for k, ax in enumerate(panels):
+        if k + 3 >= len(panels):
+            ax.set_xlabel("correspondences")
+        if k % 3 == 0:
+            ax.set_ylabel("10$^9$ a second")
+    strip = figure.add_subplot(grid[2, :])
+    strip.axis("off")
+    entries = {label: handle for ax in panels for handle, label in zip(*ax.get_legend_handles_labels())}
+    strip.legend(entries.values(), entries.keys(), loc="center", ncol=len(entries))
+    save(figure, folder, "kernel_rates")
+
+
 def draw_recall(results, folder):
     cells = {}
     for (outliers, sigma, seeds), values in results.under("register_tcf/budget/"):
@@ -71,10 +121,13 @@ def draw_recall(results, folder):
 
 
 def main(arguments):
-    if len(arguments) != 2:
+    if len(arguments) not in (2, 3):
         sys.exit(__doc__.strip())
     results, folder = Results(arguments[0]), Path(arguments[1])
+    bounds = PortBounds(arguments[2]) if len(arguments) == 3 else None
     with plt.rc_context(STYLE):
+        if any(any(results.under(kernel + "/")) for kernel in KERNELS):
+            draw_kernels(results, bounds, folder)
         if any(results.under("register_tcf/size:")):
             draw_growth(results, folder)
         if any(results.under("register_tcf/budget/")):

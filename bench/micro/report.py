@@ -1,17 +1,24 @@
 #!/usr/bin/env python3
 """Turns the results of consimd_bench into the Markdown tables of docs/performance.md.
 
-usage: report.py FILE.json [KEPT.json]     KEPT.json: what the tables and figures need of FILE.json, in its place
+usage: report.py FILE.json [--keep KEPT.json] [--bounds PORT_BOUNDS.json]
+
+KEPT.json gets what the tables and figures need of FILE.json; it is overwritten only where it holds such results itself.
+PORT_BOUNDS.json is port_bounds_zen4.json where FILE.json is of such a processor: how near its kernels come to what its
+ports allow. To compare two files: against.py.
 
 Medians over the repetitions where there are any. Ratios compare values of one run on one machine.
 """
 
+import json
 import sys
 from collections import defaultdict
+from pathlib import Path
 
-from bench_results import Results
+from bench_results import PortBounds, Results
 
 CONTEXT = ("cpu", "system", *(f"consimd_{key}" for key in ("commit", "compiler", "build_type", "flags", "threads")))
+PORT_SIZE = 3000  # correspondences of the table of ports
 STAGES = ("one_point", "two_point", "three_point", "refinement")
 
 
@@ -60,6 +67,8 @@ def kernel_tables(results):
     by_size = defaultdict(lambda: defaultdict(dict))
     present, items = {}, {}  # ordered: baselines as they were registered
     for (kernel, *where), values in results.under(""):
+        if where and where[-1].startswith("batch:"):
+            kernel += f", {where.pop().removeprefix('batch:')} at once"
         if len(where) == 2 and where[0].isdigit():
             size, variant = where
             by_size[int(size)][kernel][variant] = values["items_per_second"] / 1e9
@@ -156,18 +165,50 @@ def budget_table(results):
         yield "### Recall and mean ms within max_seeds\n\n" + table(["max_seeds", *cells], rows)
 
 
-def tables(results):
+def port_table(results, bounds):
+    clock = results.values["clock"]["items_per_second"]
+    rows = []
+    for loop in bounds.loops:
+        measured = results.values.get(f"{loop['kernel']}/{PORT_SIZE}/{bounds.isa}")
+        if measured is None:
+            continue
+        bound = bounds.rate(loop, clock)
+        cycles = f"{loop['cycles']:g}" + (f": {loop['by']}" if "by" in loop else "")
+        share = f"{100 * measured['items_per_second'] / bound:.0f} %"
+        row = [loop["loop"], loop["adders"], loop["multipliers"], cycles, f"{bound / 1e9:.2f}"]
+        rows.append([*row, digits(measured["items_per_second"] / 1e9), share])
+    if rows:
+        header = [f"{bounds.isa} loop", "add, subtract, min, max", "multiply, compare", "bound, cycles"]
+        heading = f"### Loops of {bounds.isa} and the ports of {bounds.processor}, {PORT_SIZE} correspondences\n\n"
+        yield heading + table([*header, "bound, 10^9 a second", "measured", "of the bound"], rows)
+
+
+def tables(results, bounds=None):
+    if bounds and "clock" in results.values:
+        yield from port_table(results, bounds)
     for make in (kernel_tables, graph_table, registration_tables, growth_table, budget_table):
         yield from make(results)
 
 
+def is_kept(path):
+    try:
+        return "results" in json.loads(path.read_text(encoding="utf-8"))
+    except (TypeError, ValueError):
+        return False
+
+
 def main(arguments):
-    if len(arguments) not in (1, 2):
+    options = dict(zip(arguments[1::2], arguments[2::2]))
+    if len(arguments) % 2 == 0 or not {"--keep", "--bounds"} >= options.keys():
         sys.exit(__doc__.strip())
     results = Results(arguments[0])
-    if len(arguments) == 2:
-        results.keep(arguments[1])
-    print("\n".join([context_lines(results), *tables(results)]), end="")
+    bounds = PortBounds(options["--bounds"]) if "--bounds" in options else None
+    if "--keep" in options:
+        kept = Path(options["--keep"])
+        if kept.exists() and not is_kept(kept):
+            sys.exit(f"report: {kept} is there and holds no kept results: not overwritten")
+        results.keep(kept)
+    print("\n".join([context_lines(results), *tables(results, bounds)]), end="")
 
 
 if __name__ == "__main__":

@@ -1,18 +1,13 @@
 #include "workload.hpp"
 
 #include <map>
-#include <new>
-#include <random>
+#include <tuple>
+#include <utility>
 
 #include <Eigen/Geometry>
 
-#include <consimd/poses/rigid_fit.hpp>
-#include <consimd/synth/noise_study.hpp>
-
 namespace consimd::bench {
 namespace {
-
-constexpr std::align_val_t kAlignment{64};
 
 LoopPose loop_pose(const WorkingPose& pose) {
   LoopPose copy{};
@@ -32,14 +27,9 @@ EigenCloud eigen_cloud(const std::vector<double>& source, const std::vector<doub
   return cloud;
 }
 
-void Workload::AlignedDelete::operator()(float* weights) const noexcept { ::operator delete[](weights, kAlignment); }
-
-Workload::Workload(std::size_t size) {
-  const synth::Problem problem =
-      synth::noise_study_problem({.correspondences = size, .outlier_ratio = 0.9, .sigma = noise_bound / 3.0});
-  correspondences = problem.correspondences();
+Workload::Workload(std::size_t size, std::size_t batch)
+    : KernelWorkload(size, batch), eigen(eigen_cloud(problem.source, problem.target)) {
   const CorrespondenceView view = correspondences;
-  eigen = eigen_cloud(problem.source, problem.target);
   for (std::size_t axis = 0; axis < 3; ++axis) {
     loop.source[axis] = view.source(axis);
     loop.target[axis] = view.target(axis);
@@ -47,43 +37,19 @@ Workload::Workload(std::size_t size) {
   loop.size = size;
   loop_noise_bound = static_cast<float>(noise_bound * view.scale());
   loop_consistency_bound = static_cast<float>(consistency_bound * view.scale());
-
-  std::mt19937_64 bits(1);
-  const auto unit = [&bits] { return static_cast<double>(bits() >> 11) * 0x1p-52 - 1.0; };  // [-1, 1)
-  const auto row = [&bits, size] { return static_cast<std::uint32_t>(bits() % size); };
-  const auto vector = [&unit] {
-    const double x = unit(), y = unit(), z = unit();
-    return Eigen::Vector3d(x, y, z);
-  };
-  for (std::size_t h = 0; h < kBatch; ++h) {
-    seeds.push_back(row());
-    const std::uint32_t first = row();
-    pairs.push_back({first, row()});
-    const Eigen::AngleAxisd turn(0.05 * unit(), vector().normalized());
-    const RigidTransform pose = Eigen::Translation3d(2.0 * vector()) * problem.T_target_source * turn;
-    poses.push_back(to_working_pose(to_working_frame(pose, correspondences)));
-    eigen_poses.push_back({pose.linear(), pose.translation()});
-    loop_poses.push_back(loop_pose(poses.back()));
+  for (const RigidTransform& transform : transforms) {
+    eigen_poses.push_back({transform.linear(), transform.translation()});
   }
-  for (std::size_t h = 0; h < size; ++h) {
-    const std::uint32_t first = row();
-    const std::uint32_t second = row();
-    triples.push_back({first, second, row()});
-  }
-
-  chosen.resize(view.words());
-  weights_.reset(static_cast<float*>(::operator new[](view.padded_size() * sizeof(float), kAlignment)));
-  for (std::size_t j = 0; j < view.padded_size(); ++j) {
-    weights_[j] = static_cast<float>(0.5 + 0.5 * unit());
-    if (j >= size || bits() % 3 != 0) continue;
-    chosen[j / 64] |= std::uint64_t{1} << (j % 64);
-    rows.push_back(static_cast<std::uint32_t>(j));
-  }
+  for (const WorkingPose& pose : poses) loop_poses.push_back(loop_pose(pose));
 }
 
-const Workload& workload(std::size_t size) {
-  static std::map<std::size_t, Workload> workloads;
-  return workloads.try_emplace(size, size).first->second;
+const Workload& workload(std::size_t size, std::size_t batch) {
+  static std::map<std::pair<std::size_t, std::size_t>, Workload> workloads;
+  const auto made = workloads.find({size, batch});
+  if (made != workloads.end()) return made->second;
+  return workloads
+      .emplace(std::piecewise_construct, std::forward_as_tuple(size, batch), std::forward_as_tuple(size, batch))
+      .first->second;
 }
 
 }  // namespace consimd::bench

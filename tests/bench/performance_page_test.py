@@ -10,13 +10,16 @@ import unittest
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 SCRIPTS = ROOT / "bench/micro"
 sys.path[:0] = [str(SCRIPTS), str(ROOT / "tests")]
-from bench_results import Results  # noqa: E402
+from bench_results import PortBounds, Results  # noqa: E402
 from plotter import PLOTTER  # noqa: E402
 from report import tables  # noqa: E402
 
 
 def entry(name, aggregate, **values):
     return {"run_name": name, "run_type": "aggregate", "aggregate_name": aggregate, "family_index": 0, **values}
+
+
+BOUNDS = SCRIPTS / "port_bounds_zen4.json"
 
 
 class PerformancePage(unittest.TestCase):
@@ -27,8 +30,10 @@ class PerformancePage(unittest.TestCase):
 
     def test_tables_are_those_of_the_kept_results(self):
         page = (ROOT / "docs/performance.md").read_text(encoding="utf-8")
-        shown = [table for table in tables(Results(ROOT / "docs/performance.json")) if table.splitlines()[0] in page]
-        self.assertGreaterEqual(len(shown), 4)
+        all_tables = list(tables(Results(ROOT / "docs/performance.json"), PortBounds(BOUNDS)))
+        shown = [table for table in all_tables if table.splitlines()[0] in page]
+        self.assertGreaterEqual(len(shown), 5)
+        self.assertIn(all_tables[0], shown)  # of the ports
         for table in shown:
             self.assertIn(table, page)
 
@@ -59,8 +64,9 @@ class PerformancePage(unittest.TestCase):
     @unittest.skipIf(PLOTTER is None, "no Python with matplotlib")
     def test_figures(self):
         script = [PLOTTER, "-B", SCRIPTS / "plot_performance.py", ROOT / "docs/performance.json", self.folder]
-        subprocess.run(script, check=True)
-        for figure in ("time_over_size", "recall_over_time"):
+        subprocess.run([*script, BOUNDS], check=True)
+        self.assertIn("bound by the ports, avx512", (self.folder / "kernel_rates.svg").read_text(encoding="utf-8"))
+        for figure in ("kernel_rates", "time_over_size", "recall_over_time"):
             self.assertGreater((self.folder / f"{figure}.svg").stat().st_size, 10_000)
 
 
