@@ -26,6 +26,7 @@
 #include <consimd/studies/replace_file.hpp>
 #include "cloud_arguments.hpp"
 #include "commands.hpp"
+#include "figure_report.hpp"
 #include "filter_option.hpp"
 #include "option_checks.hpp"
 #include "register_report.hpp"
@@ -105,8 +106,10 @@ void check(const Options& options) {
     if (options.repeat != 1) throw std::invalid_argument(fmt::format("{}: writes one run, not --repeat of them", name));
     studies::require_replaceable(file);
   }
-  if (!options.picture.empty() && std::filesystem::path(options.picture).extension() != ".svg") {
-    throw std::invalid_argument(fmt::format("--picture: draws SVG, so expected a FILE.svg, got '{}'", options.picture));
+  if (const std::string ending = std::filesystem::path(options.picture).extension();
+      !options.picture.empty() && ending != ".svg" && ending != ".png") {
+    throw std::invalid_argument(
+        fmt::format("--picture: draws SVG or PNG, so expected a FILE.svg or FILE.png, got '{}'", options.picture));
   }
   if (options.assume_inliers && (options.noise_bound || options.estimate_scale || options.repeat != 1)) {
     throw std::invalid_argument(
@@ -185,7 +188,10 @@ void draw(const Options& options, const RegisterReport& report, const Correspond
     picture.target = &clouds.target;
   }
   if (!options.view.empty()) studies::replace_file(options.view, studies::registration_page(picture));
-  if (!options.picture.empty()) studies::replace_file(options.picture, studies::registration_svg(picture));
+  if (options.picture.empty()) return;
+  const std::string drawing = studies::registration_svg(picture);
+  const bool png = std::filesystem::path(options.picture).extension() == ".png";
+  studies::replace_file(options.picture, png ? drawn_as_png(drawing) : drawing);
 }
 
 StopCondition stop_of(const Options& options) {
@@ -381,7 +387,8 @@ void add_register_command(CLI::App& app, Action& run) {
       "--view", options->view,
       "Write a page to look at the result in a browser, with WebGL and without network: clouds before and "
       "after the pose, inliers and outliers. It needs no pose");
-  command->add_option("--picture", options->picture, "Write the same as a drawing, FILE.svg");
+  command->add_option("--picture", options->picture,
+                      "Write the same as a drawing, FILE.svg, or FILE.png, which Python's matplotlib draws");
   command->footer(
       "Exit code: 0 when every run found a pose, 1 when one did not or left two to choose from, 2 on bad usage or "
       "input.\n"

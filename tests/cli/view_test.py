@@ -4,8 +4,8 @@ import random
 import unittest
 import xml.etree.ElementTree
 
-from browser import BROWSER, MISSING, count, screenshot
-from command import CommandTest
+from browser import BROWSER, MISSING, count, pixels, screenshot
+from command import PLOTTER, CommandTest
 
 LEGEND = 360  # columns that the legend covers
 
@@ -52,8 +52,25 @@ class View(CommandTest):
     def test_errors(self):
         pair = self.pair()
         self.assert_error("register", pair, "--view", "no/view.html", says="no/view.html: cannot write")
-        self.assert_error("register", pair, "--picture", "view.gif", says="--picture: draws SVG, so expected a FILE.svg, got 'view.gif'")
+        self.assert_error("register", pair, "--picture", "view.gif", says="--picture: draws SVG or PNG, so expected a FILE.svg or FILE.png, got 'view.gif'")
         self.assert_error("register", pair, "--repeat", 2, "--view", "view.html", says="--view: writes one run, not --repeat of them")
+
+    @unittest.skipIf(PLOTTER is None, "no Python with matplotlib")
+    def test_png(self):
+        """The colours of the drawing, in its place: before on the left, after on the right."""
+        self.draw_for_real()
+        pair = self.pair()
+        self.run_command("register", pair, "--noise-bound", 0.6, "--picture", "view.png")
+        rows = pixels((self.folder / "view.png").read_bytes())
+        self.assertEqual((len(rows[0]), len(rows)), (1920, 948))
+        left, right = ([row[:960] for row in rows], [row[960:] for row in rows])
+        for half in (left, right):
+            for colour in (amber, blue, green, red):
+                self.assertGreater(count(half, colour), 300, colour)
+        self.assertGreater(count(left, green), 3 * count(right, green))
+        self.environment["CONSIMD_PYTHON"] = "/nowhere"
+        self.run_command("register", pair, "--noise-bound", 0.6, "--picture", "none.png", code=2)
+        self.assertFalse((self.folder / "none.png").exists())
 
     def shown(self, fragment="", keys="", script=""):
         """Counts of pixels by colour, and the columns between amber ones, after keys were pressed and a script ran."""

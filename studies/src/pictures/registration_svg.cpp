@@ -28,7 +28,7 @@ constexpr double kCaption = 74.0;
 constexpr std::string_view kSource = "#ffb347";
 constexpr std::string_view kTarget = "#58a6ff";
 constexpr std::string_view kInlier = "#3ddc84";
-constexpr std::string_view kOutlier = "#ff5d5d";
+constexpr std::string_view kOutlier = "#ff4757";
 constexpr std::string_view kPlain = "#9aa7b8";
 
 struct Projected {
