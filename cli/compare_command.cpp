@@ -14,6 +14,7 @@
 #include <consimd/studies/compare_options.hpp>
 #include <consimd/studies/comparison_folder.hpp>
 #include <consimd/studies/paper_tables.hpp>
+#include <consimd/studies/study_page.hpp>
 #include "commands.hpp"
 #include "comparison_report.hpp"
 #include "filter_option.hpp"
@@ -21,6 +22,7 @@
 #include "option_checks.hpp"
 #include "outside_arguments.hpp"
 #include "progress.hpp"
+#include "report_option.hpp"
 #include "scan_arguments.hpp"
 #include "shard_option.hpp"
 #include "standard_streams.hpp"
@@ -38,6 +40,7 @@ struct Options {
   int threads = 1;
   std::string out = "consimd-compare";
   bool fresh = false;
+  std::string report;
 };
 
 /// Puts the comparison together. Scans take a while to read, which is told where it is more than a moment.
@@ -73,6 +76,10 @@ int run_compare(const CLI::App& command, Options options) {
   studies::Comparison comparison = prepared(options, shard, notes);
   const studies::ComparisonFacts facts{
       .options = studies::option_texts(options.study), .isa = to_string(active_isa()), .threads = options.threads};
+  if (shard && !options.report.empty()) {
+    throw std::invalid_argument("--report: a shard has no tables; consimd merge makes the report of all");
+  }
+  check_report(options.report, out);
   studies::ComparisonFolder folder(out, comparison, facts, options.fresh);
 
   fmt::print("{} runs{} on {} group{} of cases, {} on {} thread{}, {} done before, writing to {}\n", comparison.size(),
@@ -98,7 +105,13 @@ int run_compare(const CLI::App& command, Options options) {
   const std::vector<studies::TextTable> results =
       shard ? std::vector<studies::TextTable>() : studies::make_tables(tables, comparison);
   folder.write(comparison, results, facts);
+  const auto report = [&] {
+    write_report(options.report, [&](std::string_view command) {
+      return studies::comparison_page(comparison, results, studies::comparison_json(comparison, facts), command);
+    });
+  };
   if (!comparison.complete()) {
+    if (!shard) report();
     tell("consimd: stopped after {} of {} runs{}; the same command resumes\n", comparison.filled(), comparison.size(),
          part);
     return kInterrupted;
@@ -108,6 +121,7 @@ int run_compare(const CLI::App& command, Options options) {
   } else {
     print_comparison(results, out);
   }
+  report();
   return kSuccess;
 }
 
@@ -170,6 +184,7 @@ void add_compare_command(CLI::App& app, Action& run) {
   add_shard_option(*command, options->shard);
   command->add_option("--out", options->out, "Folder for the results, made if missing")->capture_default_str();
   command->add_flag("--fresh", options->fresh, "Start over: drop the comparison that the folder holds");
+  add_report_option(*command, options->report);
   command->footer(fmt::format(
       "Runs go one at a time, each on all threads. Ctrl-C keeps what is done and writes the tables of it; the same\n"
       "command resumes. Writes runs.csv (a row a run), tables.md, a table_*.csv a table, and comparison.json;\n"

@@ -12,8 +12,10 @@
 #include <consimd/studies/paper_tables.hpp>
 #include <consimd/studies/shard_merge.hpp>
 #include <consimd/studies/study_folder.hpp>
+#include <consimd/studies/study_page.hpp>
 #include "commands.hpp"
 #include "comparison_report.hpp"
+#include "report_option.hpp"
 #include "study_report.hpp"
 
 namespace consimd::cli {
@@ -25,6 +27,7 @@ struct Options {
   std::string out;
   bool map = false;
   bool fresh = false;
+  std::string report;
 };
 
 /// Where the unsharded study would be: the folder that holds all shards.
@@ -57,11 +60,15 @@ int merge_comparison(const Options& options, const std::vector<fs::path>& shards
   if (options.map) throw std::invalid_argument("--map: it is for shards of 'consimd sweep'");
   const studies::MergedComparison merged = studies::merge_comparisons(shards);
   const std::string out = folder_of_all(options, shards);
+  check_report(options.report, out);
   const std::vector<studies::TextTable> tables = studies::make_tables(merged.tables, merged.comparison);
   studies::write_comparison(out, merged, tables, options.fresh);
   fmt::print("{} runs, merged from {} shard{}, writing to {}\n", merged.comparison.size(), shards.size(),
              shards.size() == 1 ? "" : "s", out);
   print_comparison(tables, out);
+  write_report(options.report, [&](std::string_view command) {
+    return studies::comparison_page(merged.comparison, tables, merged.summary, command);
+  });
   return kSuccess;
 }
 
@@ -73,13 +80,17 @@ int run_merge(const Options& options) {
   const std::vector<fs::path> shards = studies::shard_folders(folders);
   const studies::MergedStudy merged = studies::merge_shards(shards, options.map);
   const std::string out = folder_of_all(options, shards);
+  check_report(options.report, out);
   studies::write_study(out, merged.table, merged.limits, merged.summary, options.fresh);
 
   fmt::print("{} trials in {} cells, merged from {} shard{}, writing to {}\n", merged.table.size(),
              merged.table.options().cells(), shards.size(), shards.size() == 1 ? "" : "s", out);
-  print_trials(studies::summarise(merged.table));
+  const studies::StudySummary summary = studies::summarise(merged.table);
+  print_trials(summary);
   if (!merged.limits.empty()) print_limits(merged.limits, merged.table.options());
   print_files_and_draw(out, !merged.limits.empty());
+  write_report(options.report,
+               [&](std::string_view command) { return studies::sweep_page(summary, merged.summary, command); });
   return kSuccess;
 }
 
@@ -94,6 +105,7 @@ void add_merge_command(CLI::App& app, Action& run) {
   command->add_flag("--map", options->map,
                     "Insist on the limits of 'sweep --map'; where all are there they are merged");
   command->add_flag("--fresh", options->fresh, "Drop another study that --out holds");
+  add_report_option(*command, options->report);
   command->footer(
       "Writes the files that the unsharded study would have written, byte for byte: trials.csv, cells.csv,\n"
       "summary.json, limits.csv of a study with --map, and the figures; of a comparison runs.csv, its tables and\n"

@@ -10,6 +10,7 @@
 #include <consimd/studies/limits.hpp>
 #include <consimd/studies/shard.hpp>
 #include <consimd/studies/study_folder.hpp>
+#include <consimd/studies/study_page.hpp>
 #include <consimd/studies/sweep.hpp>
 #include <consimd/studies/value_list.hpp>
 #include "commands.hpp"
@@ -19,6 +20,7 @@
 #include "option_checks.hpp"
 #include "outside_arguments.hpp"
 #include "progress.hpp"
+#include "report_option.hpp"
 #include "shard_option.hpp"
 #include "standard_streams.hpp"
 #include "study_report.hpp"
@@ -39,6 +41,7 @@ struct Options {
   std::optional<std::string> shard;
   bool fresh = false;
   bool map = false;
+  std::string report;
 };
 
 std::vector<double> values_of(std::string_view option, const std::string& text) {
@@ -81,6 +84,10 @@ int run_sweep_command(Options options) {
   options.study.filter = filter_by_name(options.filter);
   studies::TrialTable table(std::move(options.study), shard, studies::TrialTable::Keep::marks);
   const studies::RunFacts facts{.isa = to_string(active_isa()), .threads = options.threads};
+  if (shard && !options.report.empty()) {
+    throw std::invalid_argument("--report: a shard has no cells; consimd merge makes the report of all");
+  }
+  check_report(options.report, out);
   studies::StudyFolder folder(out, table, facts, options.fresh);
 
   fmt::print("{} trials{} in {} cells, {}, {} on {} thread{}, {} done before, writing to {}\n", table.size(), part,
@@ -122,6 +129,9 @@ int run_sweep_command(Options options) {
     fmt::print("shard {} is complete; when all are: consimd merge {}\n", to_string(*shard), options.out);
   } else {
     print_files_and_draw(out, options.map);
+    write_report(options.report, [&](std::string_view command) {
+      return studies::sweep_page(summary, studies::summary_json(table, {facts.isa, facts.threads, true}), command);
+    });
   }
   return kSuccess;
 }
@@ -156,6 +166,7 @@ void add_sweep_command(CLI::App& app, Action& run) {
   command->add_flag("--fresh", options->fresh, "Start over: drop the study that the folder holds");
   command->add_flag("--map", options->map,
                     "Also measure where the limit lies (limits.csv) and draw maps over outlier ratio and noise");
+  add_report_option(*command, options->report);
   command->footer(
       "Every problem has points in a cube of 200 m under one random rigid motion. A solver gets the noise bound 3 "
       "sigma;\n"

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any, Literal, NamedTuple
 
 from consimd import _core
 from consimd._outside import named_solvers
+from consimd._report import call_text
 from consimd._tables import structured
 from consimd.features import match_clouds
 
@@ -90,6 +91,7 @@ def compare(
     threads: int | None = None,
     out: str | os.PathLike[str] | None = None,
     fresh: bool = False,
+    report: str | os.PathLike[str] | None = None,
     progress: Callable[[int, int], object] | None = None,
 ) -> CompareResult:
     """Runs solvers on the same problems with the same seeds and makes the tables of the TCF paper's evaluation.
@@ -124,12 +126,16 @@ def compare(
         correspondences of scans are kept in it. The same
         call takes up a comparison that was stopped; RuntimeError if the folder holds another one, unless `fresh` drops
         that, or if another process writes to it.
+    report: a file that gets a page to look at the comparison in a browser, without network: figures that tell their numbers,
+        tables to sort and save, the machine and this call. Before anything is run: ValueError unless it is named
+        *.html, RuntimeError if it cannot be written.
     progress: called with the numbers of runs done and of all, some ten times a second.
 
     The same runs as `consimd compare`, but for the times. ValueError on a bad argument, RuntimeError on a bad file.
     RuntimeError that names solver and case if a function raises, or an answer is wrong.
     Ctrl-C ends the comparison with KeyboardInterrupt once the running registration is done; a folder keeps the runs.
     """
+    command = call_text(compare, locals())
     names, outside = (None, []) if solvers is None else named_solvers(solvers, versions or {})
     of_scans: dict[str, Any] = {
         "layout": layout or "",
@@ -172,6 +178,8 @@ def compare(
         threads,
         None if out is None else os.fspath(out),
         fresh,
+        None if report is None else os.fspath(report),
+        command,
         progress,
     )
     return CompareResult(structured(run_columns), {name: ComparisonTable(*table) for name, *table in text_tables})

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 from consimd import _core
 from consimd._outside import named_solvers
+from consimd._report import call_text
 from consimd._tables import structured
 
 if TYPE_CHECKING:
@@ -47,6 +48,7 @@ def sweep(
     threads: int | None = None,
     out: str | os.PathLike[str] | None = None,
     fresh: bool = False,
+    report: str | os.PathLike[str] | None = None,
     progress: Callable[[int, int], object] | None = None,
 ) -> SweepResult:
     """Runs the noise study: solvers on synthetic problems over outlier ratio and noise.
@@ -74,6 +76,9 @@ def sweep(
         These four, and several numbers of points, go beyond the paper's study: the tables then have further columns.
     out: a folder that gets trials.csv as trials end, then cells.csv and summary.json. The same call takes up a study
         that was stopped; RuntimeError if the folder holds another one, unless `fresh` drops that.
+    report: a file that gets a page to look at the study in a browser, without network: figures that tell their numbers,
+        tables to sort and save, the machine and this call. Before anything is run: ValueError unless it is named
+        *.html, RuntimeError if it cannot be written.
     progress: called with the numbers of trials done and of all, some ten times a second.
 
     A problem has its points in a cube of 200 m; solvers get the noise bound 3 sigma and succeed when the true inliers'
@@ -81,6 +86,7 @@ def sweep(
     study with KeyboardInterrupt once the running problems are done; a folder keeps what they gave. RuntimeError that
     names solver and trial if a function raises, or an answer is wrong.
     """
+    command = call_text(sweep, locals())
     names, outside = named_solvers(solvers, versions or {})
     trial_columns, cell_columns = _core.run_sweep(
         [points] if isinstance(points, int) else list(points),
@@ -99,6 +105,8 @@ def sweep(
         threads,
         None if out is None else os.fspath(out),
         fresh,
+        None if report is None else os.fspath(report),
+        command,
         progress,
     )
     return SweepResult(structured(trial_columns), structured(cell_columns))

@@ -27,6 +27,8 @@
 
 #include <consimd/studies/compare_options.hpp>
 #include <consimd/studies/comparison_folder.hpp>
+#include <consimd/studies/replace_file.hpp>
+#include <consimd/studies/study_page.hpp>
 #include "bindings.hpp"
 #include "interruptible_call.hpp"
 #include "outside_solvers.hpp"
@@ -117,6 +119,7 @@ nb::tuple run(const std::optional<std::filesystem::path>& cases, std::vector<std
               std::string thresholds, std::optional<std::vector<std::uint32_t>> iterations,
               std::uint32_t iteration_problems, Numbers scales, std::uint64_t seed, std::uint32_t seeds,
               std::optional<int> threads, const std::optional<std::filesystem::path>& folder_path, bool fresh,
+              const std::optional<std::filesystem::path>& report, std::string_view command,
               const nb::object& progress) {
   studies::CompareOptions options;
   if (cases) options.cases = cases->string();
@@ -145,6 +148,7 @@ nb::tuple run(const std::optional<std::filesystem::path>& cases, std::vector<std
                                        .isa = to_string(active_isa()),
                                        .threads = limit.value_or(tbb::info::default_concurrency())};
   std::optional<studies::ComparisonFolder> folder;
+  if (report) studies::require_writable_page(*report, folder_path.value_or(""));
   if (folder_path) folder.emplace(*folder_path, comparison, facts, fresh);
 
   run_study(comparison.filled(), comparison.size(), limit, progress, [&](const auto& stop_requested, const auto& step) {
@@ -157,6 +161,10 @@ nb::tuple run(const std::optional<std::filesystem::path>& cases, std::vector<std
   });
   const std::vector<studies::TextTable> results = studies::make_tables(options.tables, comparison);
   if (folder) folder->write(comparison, results, facts);
+  if (report) {
+    const std::string of_comparison = studies::comparison_json(comparison, facts);
+    studies::replace_file(*report, studies::comparison_page(comparison, results, of_comparison, command));
+  }
   nb::list list;
   for (const studies::TextTable& table : results) list.append(to_tuple(table));
   return nb::make_tuple(to_columns(comparison.done(), studies::kRunColumns), list);
@@ -171,7 +179,8 @@ void bind_compare(nb::module_& module) {
              nb::arg("tables"), nb::arg("solvers").none(), nb::arg("outside"), nb::arg("time_limit"), nb::arg("filter"),
              nb::arg("thresholds"), nb::arg("iterations").none(), nb::arg("iteration_problems"),
              nb::arg("scales").none(), nb::arg("seed"), nb::arg("seeds"), nb::arg("threads").none(),
-             nb::arg("folder").none(), nb::arg("fresh"), nb::arg("progress").none());
+             nb::arg("folder").none(), nb::arg("fresh"), nb::arg("report").none(), nb::arg("command"),
+             nb::arg("progress").none());
 }
 
 }  // namespace consimd::python

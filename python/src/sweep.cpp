@@ -19,7 +19,9 @@
 #include <consimd/kernels/isa.hpp>
 
 #include <consimd/studies/cell_summary.hpp>
+#include <consimd/studies/replace_file.hpp>
 #include <consimd/studies/study_folder.hpp>
+#include <consimd/studies/study_page.hpp>
 #include "bindings.hpp"
 #include "outside_solvers.hpp"
 #include "study_tables.hpp"
@@ -39,7 +41,9 @@ nb::tuple run(std::vector<std::size_t> points, std::optional<std::vector<double>
               const std::vector<OutsideEntry>& outside, double time_limit, std::string_view filter, std::uint64_t seed,
               std::vector<std::string> families, const std::vector<std::string>& scales,
               const std::vector<std::string>& bound_factors, double no_pose, std::optional<int> threads,
-              const std::optional<std::filesystem::path>& folder_path, bool fresh, const nb::object& progress) {
+              const std::optional<std::filesystem::path>& folder_path, bool fresh,
+              const std::optional<std::filesystem::path>& report, std::string_view command,
+              const nb::object& progress) {
   studies::SweepOptions options;
   options.points = std::move(points);
   if (outliers) options.outlier_ratios = std::move(*outliers);
@@ -58,6 +62,7 @@ nb::tuple run(std::vector<std::size_t> points, std::optional<std::vector<double>
   const studies::RunFacts facts{.isa = to_string(active_isa()),
                                 .threads = limit.value_or(tbb::info::default_concurrency())};
   std::optional<studies::StudyFolder> folder;
+  if (report) studies::require_writable_page(*report, folder_path.value_or(""));
   if (folder_path) folder.emplace(*folder_path, table, facts, fresh);
 
   run_study(table.filled(), table.size(), limit, progress, [&](const auto& stop_requested, const auto& step) {
@@ -69,7 +74,12 @@ nb::tuple run(std::vector<std::size_t> points, std::optional<std::vector<double>
                                .stop_requested = stop_requested});
   });
   if (folder) folder->finish(table, facts);
-  const std::vector<studies::CellSummary> cells = studies::summarise(table).cells();
+  const studies::StudySummary summary = studies::summarise(table);
+  const std::vector<studies::CellSummary>& cells = summary.cells();
+  if (report) {
+    const std::string of_study = studies::summary_json(table, {facts.isa, facts.threads, true});
+    studies::replace_file(*report, studies::sweep_page(summary, of_study, command));
+  }
   if (table.wide()) {
     return nb::make_tuple(to_columns(table.records(), studies::kWideTrialColumns),
                           to_columns(cells, studies::kWideCellColumns));
@@ -97,7 +107,8 @@ void bind_sweep(nb::module_& module) {
   module.def("run_sweep", &run, nb::arg("points"), nb::arg("outliers").none(), nb::arg("sigma").none(),
              nb::arg("trials"), nb::arg("solvers"), nb::arg("outside"), nb::arg("time_limit"), nb::arg("filter"),
              nb::arg("seed"), nb::arg("families"), nb::arg("scales"), nb::arg("bound_factors"), nb::arg("no_pose"),
-             nb::arg("threads").none(), nb::arg("folder").none(), nb::arg("fresh"), nb::arg("progress").none());
+             nb::arg("threads").none(), nb::arg("folder").none(), nb::arg("fresh"), nb::arg("report").none(),
+             nb::arg("command"), nb::arg("progress").none());
 }
 
 }  // namespace consimd::python

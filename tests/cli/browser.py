@@ -14,8 +14,8 @@ BROWSER = os.environ.get("CONSIMD_CHROMIUM") or next(
 MISSING = "needs Chromium (Debian's chromium: 122 MB to fetch, 414 MB installed); CONSIMD_CHROMIUM names another one"
 
 
-def take_screenshot(page, picture, fragment="", width=1000, height=700):
-    """Writes what Chromium shows of a page to a PNG, without network, WebGL drawn by software. Returns what the page
+def browse(page, *options, fragment="", width=1000, height=700):
+    """Opens a page in Chromium, without network, WebGL drawn by software. Returns what that wrote, and what the page
     logged to its console."""
     with tempfile.TemporaryDirectory() as profile:
         # The sandbox does not start for root, as whom containers run; the pages are the caller's own.
@@ -23,20 +23,35 @@ def take_screenshot(page, picture, fragment="", width=1000, height=700):
             BROWSER, "--headless=new", "--no-sandbox", "--disable-dev-shm-usage", f"--user-data-dir={profile}",
             "--use-gl=angle", "--use-angle=swiftshader", "--enable-unsafe-swiftshader", "--hide-scrollbars",
             "--host-resolver-rules=MAP * ~NOTFOUND", f"--window-size={width},{height}", "--virtual-time-budget=3000",
-            "--enable-logging=stderr", f"--screenshot={picture}", page.resolve().as_uri() + fragment,
+            "--enable-logging=stderr", *options, page.resolve().as_uri() + fragment,
         ]  # fmt: skip
         ran = subprocess.run(command, capture_output=True, text=True, timeout=240, check=False)
+    return ran, [line for line in ran.stderr.splitlines() if "CONSOLE" in line]
+
+
+def take_screenshot(page, picture, fragment="", width=1000, height=700, options=()):
+    """Writes what Chromium shows of a page to a PNG. Returns what the page logged to its console."""
+    shot = f"--screenshot={picture}"
+    ran, console = browse(page, shot, *options, fragment=fragment, width=width, height=height)
     if not picture.exists():
         raise AssertionError(f"Chromium took no screenshot: {ran.stderr[-2000:]}")
-    return [line for line in ran.stderr.splitlines() if "CONSOLE" in line]
+    return console
 
 
-def screenshot(page, fragment=""):
+def screenshot(page, fragment="", height=700, options=()):
     """Rows of (r, g, b) that Chromium shows of a page, and what the page logged to its console."""
     with tempfile.TemporaryDirectory() as folder:
         picture = pathlib.Path(folder) / "shot.png"
-        console = take_screenshot(page, picture, fragment)
+        console = take_screenshot(page, picture, fragment, height=height, options=options)
         return pixels(picture.read_bytes()), console
+
+
+def document(page):
+    """The HTML of a page once its scripts ran, and what it logged to its console."""
+    ran, console = browse(page, "--dump-dom")
+    if "</html>" not in ran.stdout:
+        raise AssertionError(f"Chromium shows no document: {ran.stderr[-2000:]}")
+    return ran.stdout, console
 
 
 def pixels(png):

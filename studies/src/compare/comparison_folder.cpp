@@ -76,13 +76,17 @@ Json summary_of(const Comparison& comparison, const ComparisonFacts& facts) {
 
 fs::path correspondences_folder(const fs::path& folder) { return folder / kCorrespondences; }
 
+std::string comparison_json(const Comparison& comparison, const ComparisonFacts& facts) {
+  return summary_text(summary_of(comparison, facts));
+}
+
 ComparisonFolder::ComparisonFolder(fs::path folder, Comparison& comparison, const ComparisonFacts& facts, bool fresh)
     : folder_(std::move(folder)) {
   require_writable_folder(folder_);
   lock_.emplace(folder_);
   if (fresh) remove_comparison(folder_);
   resume(comparison, facts);
-  replace_file(folder_ / kComparisonFile, summary_text(summary_of(comparison, facts)));
+  replace_file(folder_ / kComparisonFile, comparison_json(comparison, facts));
   if (comparison.filled() == 0) replace_file(folder_ / kRunsFile, csv_header(kRunColumns) + "\n");
   open_runs();
 }

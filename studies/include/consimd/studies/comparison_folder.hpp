@@ -29,6 +29,9 @@ struct ComparisonFacts {
 /// Where the folder of a comparison keeps the correspondences of scans: see `ScanOptions::cache`.
 [[nodiscard]] std::filesystem::path correspondences_folder(const std::filesystem::path& folder);
 
+/// The text of comparison.json.
+[[nodiscard]] std::string comparison_json(const Comparison& comparison, const ComparisonFacts& facts);
+
 /// The output folder of a comparison: comparison.json (what was run, on what data, by what, on what), runs.csv (a row a
 /// run), tables.md and a CSV file a table. That of a shard has no tables: its groups lack cases. runs.csv grows by a
 /// whole line a run; a line that a crash cut short is dropped on resuming. Functions throw std::runtime_error that
