@@ -10,10 +10,10 @@
 namespace CONSIMD_EXPORT consimd {
 
 /// Moments with the given weights. weights: view.padded_size() floats, 64-byte aligned; those of padded lanes may be
-/// anything. Throws std::invalid_argument on other sizes and alignments. Far rows (see Correspondences) make them NaN, whatever their weight: leave these out by a subset.
-/// Single-precision products in 16 interleaved single-precision sums, joined in double after every 1024
-/// correspondences, all in one fixed order: the same bits on every ISA. Relative rounding about 1e-7 of the sum of the
-/// absolute terms.
+/// anything. Throws std::invalid_argument on other sizes and alignments. Far rows (see Correspondences) make them NaN,
+/// whatever their weight: leave these out by a subset. Single-precision products in 16 interleaved single-precision
+/// sums, joined in double after every 1024 correspondences, all in one fixed order: the same bits on every ISA.
+/// Relative rounding about 1e-7 of the sum of the absolute terms.
 [[nodiscard]] RigidMoments weighted_moments(const CorrespondenceView& view, std::span<const float> weights);
 
 /// Moments over the correspondences whose bit is set. bits: view.words() words.
