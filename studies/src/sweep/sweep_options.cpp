@@ -21,7 +21,7 @@ constexpr double kLargestFactor = 1e6;             // every row of a problem is 
 
 /// Values as messages show them.
 template <typename T>
-const T& shown(const T& value) {
+T shown(const T& value) {
   return value;
 }
 std::string_view shown(ScaleKnowledge scale) { return to_string(scale); }
