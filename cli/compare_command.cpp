@@ -62,11 +62,14 @@ studies::Comparison prepared(const Options& options, const std::optional<studies
   return with_threads(options.threads, [&] { return studies::make_comparison(options.study, shard, control); });
 }
 
-int run_compare(const CLI::App& command, Options options) {
+int run_compare(const CLI::App& app, Options options) {
   const std::optional<studies::Shard> shard = shard_of(options.shard);
+  if (shard && !options.report.empty()) {
+    throw std::invalid_argument("--report: a shard has no tables; consimd merge makes the report of all");
+  }
   const std::string part = shard ? fmt::format(" of shard {}", to_string(*shard)) : "";
   const std::string out = shard ? (std::filesystem::path(options.out) / folder_name(*shard)).string() : options.out;
-  options.study.scans = scans_of(command, options.scans, studies::correspondences_folder(out).string());
+  options.study.scans = scans_of(app, options.scans, studies::correspondences_folder(out).string());
   studies::TableOptions& tables = options.study.tables;
   StudySolvers solvers = solvers_of(options.solvers);
   tables.solvers = std::move(solvers.names);
@@ -76,9 +79,6 @@ int run_compare(const CLI::App& command, Options options) {
   studies::Comparison comparison = prepared(options, shard, notes);
   const studies::ComparisonFacts facts{
       .options = studies::option_texts(options.study), .isa = to_string(active_isa()), .threads = options.threads};
-  if (shard && !options.report.empty()) {
-    throw std::invalid_argument("--report: a shard has no tables; consimd merge makes the report of all");
-  }
   check_report(options.report, out);
   studies::ComparisonFolder folder(out, comparison, facts, options.fresh);
 
@@ -111,7 +111,7 @@ int run_compare(const CLI::App& command, Options options) {
     });
   };
   if (!comparison.complete()) {
-    if (!shard) report();
+    report();
     tell("consimd: stopped after {} of {} runs{}; the same command resumes\n", comparison.filled(), comparison.size(),
          part);
     return kInterrupted;

@@ -134,7 +134,7 @@ struct SolverSummary {
   double seconds_median = 0.0;
 };
 
-constexpr std::tuple kSolverColumns{
+constexpr std::tuple kOverviewColumns{
     Column{"solver", &SolverSummary::solver, "name of the solver"},
     Column{"cells", &SolverSummary::cells, "of the study"},
     Column{"trials", &SolverSummary::trials, "with a true pose, over all cells"},
@@ -246,7 +246,7 @@ std::string sweep_page(const StudySummary& study, std::string_view summary, std:
   const std::vector<SolverSummary> solvers = by_solver(cells);
   std::size_t trials = 0;
   for (const SolverSummary& solver : solvers) trials += solver.trials;
-  Json overview = table_json("solvers", "Over all cells", std::span(solvers), kSolverColumns);
+  Json overview = table_json("solvers", "Over all cells", std::span(solvers), kOverviewColumns);
   Json all = study.wide() ? table_json("cells", "All cells", cells, kWideCellColumns)
                           : table_json("cells", "All cells", cells, kCellColumns);
   all["caption"].push_back("Errors are means over all trials, failures included.");
