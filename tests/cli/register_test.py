@@ -80,7 +80,7 @@ class Register(CommandTest):
             self.assertEqual(
                 list(run),
                 ["seed", "status", "noise_bound", "log10_false_poses", "T_target_source", "covariance", "inlier_count",
-                 "inliers", "seconds", "stages", "rotation_error_deg", "translation_error"],
+                 "inliers", "seconds", "stopped", "stages", "rotation_error_deg", "translation_error"],
             )
             self.assertEqual(run["status"], "success")
             self.assertEqual(run["noise_bound"], 0.3)

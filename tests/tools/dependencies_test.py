@@ -14,8 +14,9 @@ BOUNDS = {name: (at_least, below) for name, _, at_least, below, _ in ROWS}
 
 
 class Bounds(unittest.TestCase):
-    def test_pyproject_asks_for_the_same(self):
-        asked = re.findall(r'"([\w-]+)>=([\d.]+),<([\d.]+)"', (ROOT / "pyproject.toml").read_text())
+    def test_pyproject_and_lint_ask_for_the_same(self):
+        text = (ROOT / "pyproject.toml").read_text() + (ROOT / "tools/lint.sh").read_text()
+        asked = re.findall(r"""["']([\w-]+)>=([\d.]+),<([\d.]+)["']""", text)
         self.assertEqual(
             {name: (at_least, below) for name, at_least, below in asked},
             {name: BOUNDS[name] for name, package, *_ in ROWS if package == "pip"},

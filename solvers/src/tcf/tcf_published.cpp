@@ -26,9 +26,8 @@ void solve(const Correspondences& correspondences, const TcfPublishedOptions& op
   // Its stages take some milliseconds each: between them is where it can be stopped.
   const auto run_stage = [&](std::string name, std::size_t input, auto&& stage) {
     result.stopped = result.stopped || options.stop.met();
-    if (result.stopped) return;
     StageReport report{std::move(name), input};
-    {
+    if (!result.stopped) {
       const detail::StageClock clock(report.seconds);
       stage(report);
     }

@@ -37,7 +37,10 @@ KernelWorkload::KernelWorkload(std::size_t size, std::size_t batch) {
     seeds.push_back(row());
     const std::uint32_t first = row();
     pairs.push_back({first, row()});
-    const Eigen::AngleAxisd turn(0.05 * unit(), vector().normalized());
+    // A small turn without the C library's sines.
+    const double half_angle = 0.025 * unit();
+    const Eigen::Vector3d axis = half_angle * vector().normalized();
+    const Eigen::Quaterniond turn = Eigen::Quaterniond(1.0, axis.x(), axis.y(), axis.z()).normalized();
     transforms.emplace_back(Eigen::Translation3d(2.0 * vector()) * problem.T_target_source * turn);
     poses.push_back(to_working_pose(to_working_frame(transforms.back(), correspondences)));
   }
