@@ -80,6 +80,7 @@ std::string family_lines() {
 std::string bound_text(const studies::SweepOptions& study) {
   if (study.bound_factors == std::vector{studies::BoundFactor(1.0)}) return "noise bound 3 sigma";
   std::vector<std::string> factors;
+  factors.reserve(study.bound_factors.size());
   for (const studies::BoundFactor& factor : study.bound_factors) factors.push_back(studies::to_string(factor));
   return fmt::format("noise bound 3 sigma times {}", fmt::join(factors, ", "));
 }

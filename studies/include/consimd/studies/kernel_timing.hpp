@@ -60,7 +60,7 @@ struct KernelTimingOptions {
 [[nodiscard]] std::vector<KernelRate> time_kernels(std::span<const TimedKernel> kernels,
                                                    const KernelTimingOptions& options = {});
 
-/// The table of one size as `./dev bench --report` writes it: a row a kernel, a column a variant, in 10^9 items a
+/// The table of one size as "./dev bench --report" writes it: a row a kernel, a column a variant, in 10^9 items a
 /// second, then what the last variant of the row makes of each of the others' rates. Without rates of the size it has
 /// no rows.
 [[nodiscard]] TextTable kernel_rate_table(std::span<const KernelRate> rates, std::size_t size);
