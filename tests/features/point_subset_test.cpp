@@ -55,7 +55,8 @@ std::vector<std::uint32_t> farthest_of(const Cloud& cloud, std::size_t count, st
 TEST(FarthestSubset, IsThatOfItsDefinition) {
   Points on_a_lattice, copies = room(90, 3);
   for (int i = 0; i < 1000; ++i) {
-    on_a_lattice.push_back({i % 10 * 0.5, i / 10 % 10 * 0.5, i / 100 * 0.5});  // many are equally far
+    const int x = i % 10, y = i / 10 % 10, z = i / 100;
+    on_a_lattice.push_back({0.5 * x, 0.5 * y, 0.5 * z});  // many are equally far
   }
   copies.insert(copies.end(), copies.begin(), copies.begin() + 60);
   const Points line = [] {
