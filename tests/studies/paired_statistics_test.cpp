@@ -125,7 +125,10 @@ TEST(Bootstrap, HasItsRateOfFalseAlarms) {
   double alarms = 0.0;
   for (std::uint64_t study = 0; study < kStudies; ++study) {
     std::vector<double> differences(60);
-    for (double& d : differences) d = random() * random() - random() * random();
+    for (double& d : differences) {
+      d = random() * random();
+      d -= random() * random();
+    }
     const Interval interval = bootstrap_interval(BootstrapMeans(differences.size(), 1, study).of(differences));
     alarms += interval.low > 0.0 || interval.high < 0.0;
   }
