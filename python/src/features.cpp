@@ -69,6 +69,7 @@ Array<double, -1, 3> voxel_grid(ArrayLike points, double voxel, std::optional<do
   return points_array(*result_of(threads, [cloud = shared_cloud(points, "points", missing), voxel] {
     const Cloud voxels = features::voxel_grid(*cloud, voxel);
     std::vector<std::array<double, 3>> means;
+    means.reserve(voxels.size());
     for (std::size_t i = 0; i < voxels.size(); ++i) means.push_back(voxels.point(i));
     return means;
   }));

@@ -32,6 +32,7 @@ namespace {
 template <typename Value, typename Parse>
 std::vector<Value> parsed(const std::vector<std::string>& texts, const Parse& parse) {
   std::vector<Value> values;
+  values.reserve(texts.size());
   for (const std::string& text : texts) values.push_back(parse(text));
   return values;
 }
