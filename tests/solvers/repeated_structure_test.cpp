@@ -4,7 +4,9 @@
 
 #include <Eigen/Geometry>
 
+#include <algorithm>
 #include <cmath>
+#include <functional>
 #include <vector>
 
 #include "problems.hpp"
@@ -60,11 +62,11 @@ TEST(ShiftedMotion, IsAnotherWindow) {
   const Correspondences correspondences = problem.correspondences();
   detail::BestPoses poses(correspondences, kBound);
   poses.promote(detail::scored(correspondences, problem.decoy_T_target_source, kBound));
-  const detail::PoseCandidate shifted = detail::shifted_motion(correspondences, poses, kBound);
+  const detail::ShiftedMotions shifts = detail::shifted_motions(correspondences, poses, kBound);
   // A shift by one column joins 7/8 of the windows, each with one in 32 of its matches: 82 of them.
-  EXPECT_GT(shifted.support.count, 40U);
-  EXPECT_LT(shifted.support.count, 200U);
-  EXPECT_FALSE(poses.same_motion_as_best(shifted.pose));
+  EXPECT_GT(shifts.best.support.count, 40U);
+  EXPECT_LT(shifts.best.support.count, 200U);
+  EXPECT_FALSE(poses.same_motion_as_best(shifts.best.pose));
 }
 
 TEST(ShiftedMotion, HasNoSupportWithoutThreeRowsThatAgree) {
@@ -72,7 +74,32 @@ TEST(ShiftedMotion, HasNoSupportWithoutThreeRowsThatAgree) {
   const Correspondences correspondences = problem.correspondences();
   detail::BestPoses poses(correspondences, kBound);
   poses.promote(detail::scored(correspondences, problem.T_target_source, kBound));
-  EXPECT_LT(detail::shifted_motion(correspondences, poses, kBound).support.count, 3U);
+  const detail::ShiftedMotions shifts = detail::shifted_motions(correspondences, poses, kBound);
+  EXPECT_LT(shifts.best.support.count, 3U);
+  EXPECT_TRUE(shifts.independent.empty());
+}
+
+TEST(ShiftedMotions, AreMoreThanChanceWhereWindowsAreInTwoRowsEach) {
+  // 512 corners and 1000 rows: no place of the target has enough rows for lookalikes to tell.
+  const Problem problem = facade(1000, 1.0, 16);
+  const Correspondences correspondences = problem.correspondences();
+  detail::BestPoses poses(correspondences, kBound);
+  poses.promote(detail::scored(correspondences, problem.decoy_T_target_source, kBound));
+  const detail::ShiftedMotions shifts = detail::shifted_motions(correspondences, poses, kBound);
+  ASSERT_GE(shifts.independent.size(), 8U);
+  EXPECT_TRUE(std::ranges::is_sorted(shifts.independent, std::ranges::greater{}));
+  // A source is paired at random with one of 128 windows and four corners.
+  EXPECT_LT(detail::log_chance_of_shifts(1000.0, shifts.independent, 1.0 / 512), std::log(1e-3));
+}
+
+TEST(ChanceOfShifts, IsThatOfCounts) {
+  // Ten of 1000 rows that a shift takes to others with a chance of one in a thousand: each row tells such a shift with
+  // a chance of 10^-6, and ten tell the same one.
+  const double ten = detail::log_chance_of_shifts(1000.0, {10.0}, 1e-3);
+  EXPECT_NEAR(ten / std::log(10.0), std::log10(1000.0 / 10.0 * 1.1e-6), 0.3);
+  EXPECT_LT(detail::log_chance_of_shifts(1000.0, {10.0, 10.0}, 1e-3), 1.5 * ten);
+  EXPECT_EQ(detail::log_chance_of_shifts(1000.0, {1.0, 1.0}, 1e-3), 0.0);
+  EXPECT_EQ(detail::log_chance_of_shifts(1000.0, {}, 1e-3), 0.0);
 }
 
 TEST(FitGain, IsThatOfLeastSquares) {

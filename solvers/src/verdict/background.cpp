@@ -9,6 +9,7 @@
 
 #include "support/repeated_points.hpp"
 #include "verdict/false_poses.hpp"
+#include "verdict/kept_agreement.hpp"
 #include "verdict/kept_structure.hpp"
 #include "verdict/pairing_chances.hpp"
 #include "verdict/reached_targets.hpp"
@@ -27,6 +28,11 @@ constexpr std::uint32_t kStratumPairs = 1024;
 constexpr double kNoStructure = 1e-3;
 constexpr double kNoStructureOfFew = 0.05;
 constexpr double kFewHits = 8.0;
+// Where random pairing gives fewer, no hit at all is no sign that structure gives none.
+constexpr double kNextToNone = 1.0;
+// Of the tested bounds, half of the noise bound.
+constexpr std::size_t kHalf = 2;
+static_assert(kTestedBounds[kHalf] == 0.5);
 // Targets that a moved source reaches, up to which they are found in cells rather than among each stratum's rows: of
 // uniform rows, 1000 and 5000, both take as long at three to five.
 constexpr double kLittle = 4.0;
@@ -40,6 +46,22 @@ double structured(double at_random, double hits, double trials) {
   const double none = at_random * trials < kFewHits ? kNoStructureOfFew : kNoStructure;
   if (log_binomial_tail(trials, hits, at_random) > elementary::log(none)) return at_random;
   return std::max(at_random, chance(hits, trials));
+}
+
+// Where structure shows at the bound itself, it is there at narrower ones as well, whose hits may be too few to show
+// it: their chances are told from how hits grow towards the bound, as in the three dimensions of space at most.
+void narrow_down(const PairingHits& support, const Chances& at_random, Chances& chances) {
+  if (log_binomial_tail(support.trials, support.hits.front(), at_random.support.front()) >
+      elementary::log(kNoStructure)) {
+    return;
+  }
+  const double growth = elementary::log((support.hits.front() + 1.0) / (support.hits[kHalf] + 1.0));
+  const double dimension = std::clamp(-growth / elementary::log(kTestedBounds[kHalf]), 1.0, 3.0);
+  for (std::size_t b = 1; b < kTestedBounds.size(); ++b) {
+    if (at_random.support[b] * support.trials >= kNextToNone) continue;
+    const double share = elementary::exp(dimension * elementary::log(kTestedBounds[b]));
+    chances.support[b] = std::max(chances.support[b], share * chances.support.front());
+  }
 }
 
 }  // namespace
@@ -101,8 +123,15 @@ double Background::measured(const WorkingPose& pose, double enough) const {
       chances.support[b] = structured(at_random.support[b], support.hits[b], support.trials);
       chances.length[b] = structured(at_random.length[b], lengths.hits[b], lengths.trials);
     }
+    narrow_down(support, at_random, chances);
     most = std::max(most, detail::log_false_poses(size, found, chances));
   };
+  if (most >= enough) return most;
+  if (view.size() <= kFewRows) {
+    for (const Chances& chances : kept_chances(*correspondences_, pose, noise_bound_, reach, at_random, matched)) {
+      most = std::max(most, detail::log_false_poses(size, found, chances));
+    }
+  }
   if (most >= enough) return most;
   look(lookalikes().lookalikes.support(pose, reach, matched), lookalikes().lengths);
   if (most >= enough) return most;

@@ -50,6 +50,10 @@ double log_false_poses(double size, const Supports& supports, const Chances& cha
   return least + elementary::log(static_cast<double>(kTestedBounds.size()));
 }
 
+double independent_support(const CorrespondenceView& view, const WorkingPose& pose, double noise_bound) {
+  return supports(view, pose, noise_bound, kLargestRadius * noise_bound).front().spread;
+}
+
 Chances random_chances(const CorrespondenceView& view, const WorkingPose& pose, double noise_bound, double reach,
                        std::uint32_t pairs, std::uint32_t shifts, RareHits rare, const MatchedPoints& matched) {
   const std::vector<std::uint32_t> explained = pose_inliers(view, pose, noise_bound);

@@ -30,6 +30,10 @@ struct Chances {
 /// a new row's is 1 + 2 / n of it.
 double fit_gain(const Supports& supports);
 
+/// Supporters of a pose that count where those closer to one another than kLargestRadius count once. noise_bound:
+/// caller's unit.
+double independent_support(const CorrespondenceView& view, const WorkingPose& pose, double noise_bound);
+
 /// What pairing at random gives. `pairs`: whose lengths are compared, to within twice `noise_bound`; `shifts`: pairings
 /// of all correspondences, of which those within `reach` are hits. `matched` at the pose are no hit. noise_bound,
 /// reach: caller's unit.

@@ -14,7 +14,6 @@
 #include "verdict/false_poses.hpp"
 #include "verdict/pose_checks.hpp"
 #include "verdict/shifted_motion.hpp"
-#include "verdict/supporters.hpp"
 
 namespace consimd::detail {
 namespace {
@@ -29,6 +28,12 @@ constexpr double kScaleDeviations = 5.0;
 // less than half of the support does not repeat the pose.
 constexpr double kRepeatable = 3.0 * kSignificant;
 constexpr double kRepeatedShare = 0.5;
+
+// Shifts that are as well supported by chance once in so many times show no repeated structure. What they reach is the
+// median of so many of the best.
+constexpr double kChanceShifts = 0.01;
+constexpr std::size_t kBestShifts = 8;
+constexpr std::uint32_t kShiftPairings = 32;  // of all rows, which tell that chance
 
 // Where a pose is looked at: two tries at being significant.
 constexpr double kPlaces = 2.0;
@@ -65,25 +70,35 @@ double lead(const Correspondences& correspondences, const PoseTest& test, const 
   return of_best - std::min(0.0, test.log10_false_poses(correspondences, other));
 }
 
-// log10 of the chance that a motion as well supported as the best of those that differ from the best pose by a shift is
-// supported as well as the best pose, where such a shift has more support than chance and strata give, and at least
-// half that of the best pose: where windows repeat every pose on them has some support, and only what stands out
-// against that tells of a motion.
+// log10 of the chance that a shift of the best pose is supported as well as it by repeated structure: where windows
+// repeat every pose on them has some support, and only what stands out against that tells of a motion. Asked where a
+// shift has half of the support of the best pose and more than chance and strata give; and where shifts are many that
+// have more than random pairing gives them, as windows in two rows each make them, which no stratum sees. These are
+// held against the pose by their median: the best ones about a true pose share some of its support.
 double lead_over_shift(const Correspondences& correspondences, const PoseTest& test, const BestPoses& poses) {
   constexpr double kNone = -std::numeric_limits<double>::infinity();
-  const PoseCandidate shifted = shifted_motion(correspondences, poses, test.noise_bound);
+  if (test.log10_false_poses(correspondences, poses.best().pose) < kRepeatable) return kNone;
+  const CorrespondenceView view = correspondences.view();
+  const auto size = static_cast<double>(view.size());
+  const ShiftedMotions shifts = shifted_motions(correspondences, poses, test.noise_bound);
+  const PoseCandidate& shifted = shifts.best;
   const auto needed = kRepeatedShare * static_cast<double>(poses.best().support.count);
   if (shifted.support.count < 3 || static_cast<double>(shifted.support.count) < needed ||
-      poses.same_motion_as_best(shifted.pose) ||
-      test.log10_false_poses(correspondences, poses.best().pose) < kRepeatable ||
-      test.log10_false_poses(correspondences, shifted.pose) >= 0.0) {
+      poses.same_motion_as_best(shifted.pose)) {
     return kNone;
   }
-  const auto size = static_cast<double>(correspondences.size());
-  const auto independent = [&](const WorkingPose& pose) {
-    return supports(correspondences.view(), pose, test.noise_bound, kLargestRadius * test.noise_bound).front().spread;
-  };
-  return log_binomial_tail(size, independent(poses.best().pose), independent(shifted.pose) / size) / std::numbers::ln10;
+  double reached = 0.0;
+  if (test.log10_false_poses(correspondences, shifted.pose) < 0.0) {
+    reached = independent_support(view, shifted.pose, test.noise_bound);
+  } else {
+    const MatchedPoints matched(view, shifted.pose, test.noise_bound);
+    const double chance =
+        pose_chance(view, shifted.pose, test.noise_bound, kShiftPairings, RareHits::extrapolated, matched);
+    if (log_chance_of_shifts(size, shifts.independent, chance) >= elementary::log(kChanceShifts)) return kNone;
+    reached = shifts.independent[std::min(shifts.independent.size(), kBestShifts) / 2];
+  }
+  const double supporters = independent_support(view, poses.best().pose, test.noise_bound);
+  return log_binomial_tail(size, supporters, reached / size) / std::numbers::ln10;
 }
 
 RunnerUp refused_pose(const Correspondences& correspondences, const FinalPose& final, const Registration& result) {

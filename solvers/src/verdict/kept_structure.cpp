@@ -1,8 +1,5 @@
 #include "verdict/kept_structure.hpp"
 
-#include <Eigen/Core>
-#include <Eigen/Eigenvalues>
-
 #include <algorithm>
 #include <bit>
 #include <cmath>
@@ -16,36 +13,11 @@
 #include <consimd/kernels/elementary_functions.hpp>
 
 #include "support/points.hpp"
+#include "verdict/kept_coordinates.hpp"
 
 namespace consimd::detail {
 namespace {
 
-// What a stratum's rows may share: positions along the axes of least, middle and greatest spread, distances from the
-// origin and from the centroid.
-enum class Coordinate : std::uint8_t { least, middle, greatest, range, from_centroid };
-constexpr std::size_t kCoordinates = 5;
-constexpr std::size_t index_of(Coordinate c) { return static_cast<std::size_t>(c); }
-
-// Some of them.
-struct Kept {
-  std::array<Coordinate, 3> coordinates;
-  std::size_t count;
-};
-constexpr Kept kept(Coordinate a) { return {{a}, 1}; }
-constexpr Kept kept(Coordinate a, Coordinate b) { return {{a, b}, 2}; }
-constexpr Kept kept(Coordinate a, Coordinate b, Coordinate c) { return {{a, b, c}, 3}; }
-
-constexpr std::array kKept{kept(Coordinate::from_centroid),
-                           kept(Coordinate::from_centroid, Coordinate::least),
-                           kept(Coordinate::least),
-                           kept(Coordinate::middle),
-                           kept(Coordinate::greatest),
-                           kept(Coordinate::range),
-                           kept(Coordinate::least, Coordinate::middle),
-                           kept(Coordinate::range, Coordinate::least),
-                           kept(Coordinate::range, Coordinate::middle),
-                           kept(Coordinate::range, Coordinate::greatest),
-                           kept(Coordinate::least, Coordinate::middle, Coordinate::greatest)};
 // At a second glance: all kinds that synthetic structure comes in, of a sample of the rows.
 constexpr std::array kTelling{kept(Coordinate::least), kept(Coordinate::range), kept(Coordinate::from_centroid),
                               kept(Coordinate::least, Coordinate::middle),
@@ -211,7 +183,7 @@ struct KeptStructure::Sorted {
   // Strata of rows that share the coordinates. `both_ways`: rows are cut twice where there is more than one way.
   [[nodiscard]] std::vector<Partition> partitions(const Kept& kept, std::size_t largest, bool both_ways) const {
     std::vector<const Axis*> along;
-    for (const Coordinate c : std::span(kept.coordinates).first(kept.count)) along.push_back(&axes[index_of(c)]);
+    for (const Coordinate c : kept.all()) along.push_back(&axes[index_of(c)]);
     std::vector<Partition> result{cut_into_slabs(along, largest)};
     if (both_ways && kept.count > 1) result.push_back(Halving(along, largest).partition());
     for (Partition& partition : result) {
@@ -226,24 +198,12 @@ struct KeptStructure::Sorted {
 
 KeptStructure::Sorted::Sorted(const Correspondences& correspondences, std::size_t step) {
   const CorrespondenceView view = correspondences.view();
-  Eigen::Matrix3d scatter = Eigen::Matrix3d::Zero();
-  for (std::size_t k = 0; k < view.size(); k += step) {
-    const Point p = source_point(view, k);
-    const Eigen::Vector3d source(p.x, p.y, p.z);  // the working frame has its origin at the centroid
-    scatter += source * source.transpose();
-    rows.push_back(static_cast<std::uint32_t>(k));
-  }
-  const Eigen::Matrix3d principal = Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(scatter).eigenvectors().transpose();
-  const auto& centroid = correspondences.source_centroid();
-  const Eigen::Vector3d origin = -view.scale() * Eigen::Vector3d(centroid[0], centroid[1], centroid[2]);
+  const SourceCoordinates coordinates_of(correspondences, step);
   std::array<std::vector<float>, kCoordinates> coordinates;
-  for (const std::uint32_t row : rows) {
-    const Point p = source_point(view, row);
-    const Eigen::Vector3d source(p.x, p.y, p.z);
-    const Eigen::Vector3d along = principal * source;
-    for (std::size_t c = 0; c < 3; ++c) coordinates[c].push_back(static_cast<float>(along[static_cast<long>(c)]));
-    coordinates[index_of(Coordinate::range)].push_back(static_cast<float>((source - origin).norm()));
-    coordinates[index_of(Coordinate::from_centroid)].push_back(static_cast<float>(source.norm()));
+  for (std::size_t k = 0; k < view.size(); k += step) {
+    rows.push_back(static_cast<std::uint32_t>(k));
+    const std::array<float, kCoordinates> here = coordinates_of(source_point(view, k));
+    for (std::size_t c = 0; c < kCoordinates; ++c) coordinates[c].push_back(here[c]);
   }
   for (std::size_t c = 0; c < kCoordinates; ++c) axes[c] = axis_of(std::move(coordinates[c]));
 }

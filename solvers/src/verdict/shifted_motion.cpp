@@ -7,6 +7,8 @@
 #include <tuple>
 #include <vector>
 
+#include <consimd/kernels/elementary_functions.hpp>
+
 #include "support/cell_keys.hpp"
 #include "support/points.hpp"
 #include "verdict/false_poses.hpp"
@@ -17,7 +19,7 @@ namespace {
 // Rows are gathered in cells of two noise bounds; what agrees may be cut by their faces, so the means of the fullest
 // are moved to where the rows about them are.
 constexpr double kCell = 2.0;
-constexpr std::size_t kStarts = 8;
+constexpr std::size_t kStarts = 16;
 constexpr int kMoves = 3;
 
 // What the pose leaves of a row: its target less the moved source, and the cell that this lies in.
@@ -85,12 +87,13 @@ WorkingPose shifted_by(WorkingPose pose, const Point& shift) {
 
 }  // namespace
 
-PoseCandidate shifted_motion(const Correspondences& correspondences, const BestPoses& poses, double noise_bound) {
+ShiftedMotions shifted_motions(const Correspondences& correspondences, const BestPoses& poses, double noise_bound) {
   const CorrespondenceView view = correspondences.view();
   const double bound = noise_bound * view.scale();
   const std::vector<Rest> all = rests(view, poses, bound);
   const auto limit = static_cast<float>(bound * bound);
-  PoseCandidate best;
+  ShiftedMotions result;
+  std::vector<Point> shifts;
   std::vector<Rest> about;
   for (const Run& run : fullest_cells(all)) {
     Point shift = mean(all, run.begin, run.end);
@@ -101,10 +104,30 @@ PoseCandidate shifted_motion(const Correspondences& correspondences, const BestP
       if (about.empty()) break;
       shift = mean(about, 0, about.size());
     }
-    const PoseCandidate found = scored(view, shifted_by(poses.best().pose, shift), noise_bound);
-    if (found.support.count >= 3 && found.support.score > best.support.score) best = found;
+    // Cells that share a shift end at the same one.
+    const bool is_new = std::ranges::none_of(
+        shifts, [&](const Point& former) { return squared_distance(former, shift) < kCell * kCell * limit; });
+    if (about.size() < 3 || !is_new) continue;
+    shifts.push_back(shift);
+    const WorkingPose pose = shifted_by(poses.best().pose, shift);
+    result.independent.push_back(independent_support(view, pose, noise_bound));
+    const PoseCandidate found = scored(view, pose, noise_bound);
+    if (found.support.count >= 3 && found.support.score > result.best.support.score) result.best = found;
   }
-  return best.support.count < 3 ? best : locally_optimise(correspondences, best, noise_bound);
+  std::ranges::sort(result.independent, std::ranges::greater{});
+  if (result.best.support.count >= 3) result.best = locally_optimise(correspondences, result.best, noise_bound);
+  return result;
+}
+
+double log_chance_of_shifts(double size, const std::vector<double>& independent, double chance) {
+  double least = 0.0;
+  for (std::size_t m = 0; m < independent.size(); ++m) {
+    // Each row tells a shift, and so do all that support it.
+    const double rows = independent[m];
+    const double expected = size / rows * elementary::exp(log_binomial_tail(size - 1.0, rows - 1.0, chance));
+    least = std::min(least, log_binomial_tail(size, static_cast<double>(m + 1), std::min(expected / size, 1.0)));
+  }
+  return std::min(0.0, least + elementary::log(std::max(static_cast<double>(independent.size()), 1.0)));
 }
 
 }  // namespace consimd::detail

@@ -1,6 +1,9 @@
 // Repeated structure: the motion that differs from a pose by a shift alone.
 #pragma once
 
+#include <cstddef>
+#include <vector>
+
 #include <consimd/kernels/correspondences.hpp>
 
 #include "support/best_poses.hpp"
@@ -8,9 +11,18 @@
 
 namespace consimd::detail {
 
-/// The pose with the rotation of the best one that most rows agree on which that misses by more than kNearMisses
-/// bounds, brought into place: matches of a window with any other support many shifts of a facade alike. A pose without
-/// support where no three rows agree. noise_bound: caller's unit.
-PoseCandidate shifted_motion(const Correspondences& correspondences, const BestPoses& poses, double noise_bound);
+/// Poses with the rotation of the best one that rows agree on which it misses by more than kNearMisses bounds: matches
+/// of a window with any other support many shifts of a facade alike.
+struct ShiftedMotions {
+  PoseCandidate best;               ///< that of most support, brought into place; without support where there is none
+  std::vector<double> independent;  ///< supporters of the best ones that count, most first
+};
+
+/// Sixteen of them at most. noise_bound: caller's unit.
+ShiftedMotions shifted_motions(const Correspondences& correspondences, const BestPoses& poses, double noise_bound);
+
+/// ln of the chance that so many shifts are supported as well as these, where a shift takes a source to the target of
+/// any other of `size` rows with a chance of `chance`.
+double log_chance_of_shifts(double size, const std::vector<double>& independent, double chance);
 
 }  // namespace consimd::detail

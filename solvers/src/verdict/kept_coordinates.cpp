@@ -1,0 +1,29 @@
+#include "verdict/kept_coordinates.hpp"
+
+#include <Eigen/Eigenvalues>
+
+#include <consimd/kernels/kernel_data.hpp>
+
+namespace consimd::detail {
+
+SourceCoordinates::SourceCoordinates(const Correspondences& correspondences, std::size_t step) {
+  const CorrespondenceView view = correspondences.view();
+  Eigen::Matrix3d scatter = Eigen::Matrix3d::Zero();
+  for (std::size_t k = 0; k < view.size(); k += step) {
+    const Point p = source_point(view, k);
+    const Eigen::Vector3d source(p.x, p.y, p.z);  // the working frame has its origin at the centroid
+    scatter += source * source.transpose();
+  }
+  principal_ = Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(scatter).eigenvectors().transpose();
+  const auto& centroid = correspondences.source_centroid();
+  origin_ = -view.scale() * Eigen::Vector3d(centroid[0], centroid[1], centroid[2]);
+}
+
+std::array<float, kCoordinates> SourceCoordinates::operator()(const Point& point) const {
+  const Eigen::Vector3d source(point.x, point.y, point.z);
+  const Eigen::Vector3d along = principal_ * source;
+  return {static_cast<float>(along[0]), static_cast<float>(along[1]), static_cast<float>(along[2]),
+          static_cast<float>((source - origin_).norm()), static_cast<float>(source.norm())};
+}
+
+}  // namespace consimd::detail
