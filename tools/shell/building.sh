@@ -2,6 +2,7 @@
 # shellcheck shell=bash
 
 . "$(dirname "${BASH_SOURCE[0]}")/packages.sh"
+. "$(dirname "${BASH_SOURCE[0]}")/onetbb.sh"
 
 use_ccache() {
   if command -v ccache >/dev/null; then
@@ -17,6 +18,7 @@ configure() {
   local preset=$1
   need build
   use_ccache
+  if [[ $preset == neon-solvers ]]; then fetch_arm64_tbb || fail "oneTBB of 64-bit ARM cannot be fetched here"; fi
   (cd "$root" && cmake --preset "$preset" -DCONSIMD_WERROR="${CONSIMD_WERROR:-OFF}" >/dev/null) ||
     fail "cannot configure preset '$preset'"
 }
