@@ -102,8 +102,8 @@ int run_compare(const CLI::App& app, Options options) {
     with_threads(options.threads, [&] { studies::run_comparison(comparison, control); });
   }
   failures.tell_all("runs");
-  const std::vector<studies::TextTable> results =
-      shard ? std::vector<studies::TextTable>() : studies::make_tables(tables, comparison);
+  const studies::ComparisonResults results =
+      shard ? studies::ComparisonResults() : studies::comparison_results(tables, comparison);
   folder.write(comparison, results, facts);
   const auto report = [&] {
     write_report(options.report, [&](std::string_view command) {
@@ -189,6 +189,9 @@ void add_compare_command(CLI::App& app, Action& run) {
       "Runs go one at a time, each on all threads. Ctrl-C keeps what is done and writes the tables of it; the same\n"
       "command resumes. Writes runs.csv (a row a run), tables.md, a table_*.csv a table, and comparison.json;\n"
       "the table iterations comes with a figure, iterations.svg and .png, drawn like those of consimd sweep.\n"
+      "Where several methods ran on the same cases they are compared case by case: pairs.csv (McNemar's test, Holm's\n"
+      "adjustment, paired bootstrap), solvers.csv (quantiles, efficiency, time to reach a recall), curves.csv (recall\n"
+      "over the limit of success) and comparison.svg and .png.\n"
       "A case.json holds noise_bound, max_rotation_error_deg, max_translation_error_m and, for the grouping, dataset "
       "and\nsequence. Noise cells succeed when the RMSE of the true inliers is below the noise bound.\n"
       "With --scans correspondences are made first, with the voxels, points and matches that the data set's users "

@@ -61,13 +61,13 @@ int merge_comparison(const Options& options, const std::vector<fs::path>& shards
   const studies::MergedComparison merged = studies::merge_comparisons(shards);
   const std::string out = folder_of_all(options, shards);
   check_report(options.report, out);
-  const std::vector<studies::TextTable> tables = studies::make_tables(merged.tables, merged.comparison);
-  studies::write_comparison(out, merged, tables, options.fresh);
+  const studies::ComparisonResults results = studies::comparison_results(merged.tables, merged.comparison);
+  studies::write_comparison(out, merged, results, options.fresh);
   fmt::print("{} runs, merged from {} shard{}, writing to {}\n", merged.comparison.size(), shards.size(),
              shards.size() == 1 ? "" : "s", out);
-  print_comparison(tables, out);
+  print_comparison(results, out);
   write_report(options.report, [&](std::string_view command) {
-    return studies::comparison_page(merged.comparison, tables, merged.summary, command);
+    return studies::comparison_page(merged.comparison, results, merged.summary, command);
   });
   return kSuccess;
 }
@@ -108,7 +108,8 @@ void add_merge_command(CLI::App& app, Action& run) {
   add_report_option(*command, options->report);
   command->footer(
       "Writes the files that the unsharded study would have written, byte for byte: trials.csv, cells.csv,\n"
-      "summary.json, limits.csv of a study with --map, and the figures; of a comparison runs.csv, its tables and\n"
+      "summary.json, limits.csv of a study with --map, and the figures; of a comparison runs.csv, its tables, figures "
+      "and\n"
       "comparison.json, for which the data are not needed. Times are those that the shards measured;\n"
       "summary.json lists the machines if there were several. The shards must be of one study, one division and this\n"
       "version of consimd, all there and complete; they are left as they are.\n"

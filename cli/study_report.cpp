@@ -16,9 +16,9 @@ namespace consimd::cli {
 namespace {
 
 /// Who beats whom, or that nobody does.
-void print_pairs(const studies::SolverComparison& comparison) {
+void print_pairs(const studies::TrialComparison& comparison) {
   std::string text;
-  for (const studies::PairRecord& pair : comparison.pairs) {
+  for (const studies::PairRow<studies::ProblemCell>& pair : comparison.pairs) {
     if (const std::string line = verdict(pair); !line.empty()) text += "  " + line + "\n";
   }
   fmt::print("\nSolvers on the same problems, all noise levels together (McNemar's exact test, Holm's adjustment):\n{}",
@@ -36,7 +36,7 @@ void print_trials(const studies::StudySummary& summary) {
   if (summary.failures().any()) {
     fmt::print("Programs failed, which counts as no pose: {}.\n", summary.failures().text());
   }
-  if (const std::optional<studies::SolverComparison> comparison = summary.comparison()) print_pairs(*comparison);
+  if (const std::optional<studies::TrialComparison> comparison = summary.comparison()) print_pairs(*comparison);
   flush_standard_output();
 }
 

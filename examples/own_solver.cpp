@@ -80,7 +80,8 @@ int main() {
   compared.tables.outside = mine;
   studies::Comparison comparison = studies::make_comparison(compared);
   studies::run_comparison(comparison);
-  for (const studies::TextTable& text : studies::make_tables(compared.tables, comparison)) {
+  const studies::ComparisonResults results = studies::comparison_results(compared.tables, comparison);
+  for (const studies::TextTable& text : results.tables) {
     std::cout << "\n" << studies::to_markdown(text);
   }
   return table.complete() && comparison.complete() ? 0 : 1;

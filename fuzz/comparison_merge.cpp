@@ -38,7 +38,8 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     if (shards.empty()) return;
     const studies::MergedComparison merged = studies::merge_comparisons(shards);
     fuzz::require(merged.comparison.complete(), "a complete comparison or an error");
-    for (const studies::TextTable& table : studies::make_tables(merged.tables, merged.comparison)) {
+    const studies::ComparisonResults results = studies::comparison_results(merged.tables, merged.comparison);
+    for (const studies::TextTable& table : results.tables) {
       for (const auto& row : table.rows) fuzz::require(row.size() == table.columns.size(), "as many cells as columns");
     }
   });

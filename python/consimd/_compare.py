@@ -39,6 +39,13 @@ class CompareResult(NamedTuple):
     """A structured array with the columns of the command's runs.csv, see `table_columns`: one row per run."""
     tables: dict[str, ComparisonTable]
     """By name, in the order of the command."""
+    pairs: NDArray[np.void]
+    """Of several methods on the same cases, as the command's pairs.csv: a row per pair and group, with McNemar's p-values
+    and paired intervals, then one of all groups together. No rows of one method."""
+    solvers: NDArray[np.void]
+    """Quantiles of errors with failures counted, efficiency, and time to reach a recall, likewise, as its solvers.csv."""
+    curves: NDArray[np.void]
+    """Recall over the limit of success, as its curves.csv."""
 
 
 def _names(names: str | Sequence[str]) -> list[str]:
@@ -73,7 +80,7 @@ def compare(
     skip_consecutive: bool = False,
     front_end: Mapping[str, Any] | None = None,
     noise_bound: float | None = None,
-    tables: str | Sequence[str] = ("solvers",),
+    tables: str | Sequence[str] = ("solvers", "pairs", "quantiles"),
     solvers: Solvers | None = None,
     versions: Mapping[str, str] | None = None,
     time_limit: float = 60.0,
@@ -109,9 +116,9 @@ def compare(
     front_end: of scans: options of `features.match_clouds` by name, but for seed and threads, in place of those that the
         users of the data set take.
     noise_bound: of all pairs of scans; None: three times a pair's resolution.
-    tables: "data", "solvers", "pipeline" (of scans), "boost", "stages", "poses", "iterations", "scales".
+    tables: "data", "solvers", "pairs", "quantiles", "pipeline" (of scans), "boost", "stages", "poses", "iterations", "scales".
     solvers, versions, time_limit: as those of `consimd.sweep`, of the tables; solvers None: all of consimd's.
-    filter: "tcf" runs the table "solvers" after TCF's filter.
+    filter: "tcf" runs the tables "solvers", "pairs" and "quantiles" after TCF's filter.
     thresholds: limits of a success: "case" (what each case states), "paper", "eth", "kitti", "kitti06", "3dmatch",
         "3dmatch-rmse", or degrees and metres as a text, "5,0.6".
     trials: problems of each stand-in, noise cell, and scale with its noise.
@@ -122,7 +129,8 @@ def compare(
     seed: of the data; synthetic problem k starts its solvers with seed + k.
     seeds: runs of a solver on each case, with seeds one after the other.
     threads: as that of `consimd.register`. Runs go one at a time, each on all threads.
-    out: a folder that gets runs.csv as runs end, then tables.md, a table_*.csv a table, and comparison.json;
+    out: a folder that gets runs.csv as runs end, then tables.md, a table_*.csv a table, comparison.json, and of several
+        methods pairs.csv, solvers.csv and curves.csv;
         correspondences of scans are kept in it. The same
         call takes up a comparison that was stopped; RuntimeError if the folder holds another one, unless `fresh` drops
         that, or if another process writes to it.
@@ -156,7 +164,7 @@ def compare(
         for name, value in own.items():
             if value != defaults[name].default:
                 raise ValueError(f"{name}: it is for scans, which are not given")
-    run_columns, text_tables = _core.run_comparison(
+    run_columns, text_tables, compared = _core.run_comparison(
         None if cases is None else os.fspath(cases),
         _names(synthetic),
         None if scans is None else {"folder": os.fspath(scans), **of_scans},
@@ -182,4 +190,5 @@ def compare(
         command,
         progress,
     )
-    return CompareResult(structured(run_columns), {name: ComparisonTable(*table) for name, *table in text_tables})
+    named_tables = {name: ComparisonTable(*table) for name, *table in text_tables}
+    return CompareResult(structured(run_columns), named_tables, *map(structured, compared))

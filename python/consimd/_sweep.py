@@ -22,12 +22,19 @@ def _list(texts: str | Iterable[str]) -> list[str]:
 
 
 class SweepResult(NamedTuple):
-    """Structured arrays with the columns of the command's trials.csv and cells.csv, see `table_columns`."""
+    """Structured arrays with the columns of the command's files, see `table_columns`."""
 
     trials: NDArray[np.void]
     """One row per solver and problem."""
     cells: NDArray[np.void]
     """One row per solver, outlier ratio and noise level, and each of what else is varied."""
+    pairs: NDArray[np.void]
+    """Of several solvers on the same problems: a row per pair and cell, with McNemar's p-values and paired intervals, then
+    one for all noise levels together, whose sigma is NaN. No rows, as in the next two, of one solver."""
+    solvers: NDArray[np.void]
+    """Quantiles of errors with failures counted, efficiency, and time to reach a recall, likewise."""
+    curves: NDArray[np.void]
+    """Recall over the limit of success, of all noise levels together."""
 
 
 def sweep(
@@ -74,7 +81,8 @@ def sweep(
     bound_factor: noise bounds that solvers are given, over 3 sigma; "estimated": they are given none.
     no_pose: share of the problems that have no true pose, in [0, 1).
         These four, and several numbers of points, go beyond the paper's study: the tables then have further columns.
-    out: a folder that gets trials.csv as trials end, then cells.csv and summary.json. The same call takes up a study
+    out: a folder that gets trials.csv as trials end, then cells.csv, summary.json and, of several solvers, pairs.csv, solvers.csv
+        and curves.csv. The same call takes up a study
         that was stopped; RuntimeError if the folder holds another one, unless `fresh` drops that.
     report: a file that gets a page to look at the study in a browser, without network: figures that tell their numbers,
         tables to sort and save, the machine and this call. Before anything is run: ValueError unless it is named
@@ -88,7 +96,7 @@ def sweep(
     """
     command = call_text(sweep, locals())
     names, outside = named_solvers(solvers, versions or {})
-    trial_columns, cell_columns = _core.run_sweep(
+    trial_columns, cell_columns, compared = _core.run_sweep(
         [points] if isinstance(points, int) else list(points),
         [float(ratio) for ratio in outliers],
         None if sigma is None else [float(level) for level in sigma],
@@ -109,4 +117,4 @@ def sweep(
         command,
         progress,
     )
-    return SweepResult(structured(trial_columns), structured(cell_columns))
+    return SweepResult(structured(trial_columns), structured(cell_columns), *map(structured, compared))

@@ -30,7 +30,8 @@ def structured(columns: dict[str, Any]) -> NDArray[np.void]:
 
 
 def table_columns() -> dict[str, dict[str, str]]:
-    """What the columns of `sweep` (trials, cells) and `compare` (runs) mean, by table and name, in their order.
+    """What the columns of `sweep` (trials, cells, pairs, solvers, curves) and `compare` (runs, and group_pairs,
+    group_solvers and group_curves for its pairs, solvers and curves) mean, by table and name, in their order.
 
     trial_conditions and cell_conditions stand before those of trials and cells where a sweep goes beyond the paper's.
     """
@@ -40,4 +41,10 @@ def table_columns() -> dict[str, dict[str, str]]:
         "trial_conditions": _core.trial_condition_columns(),
         "cell_conditions": _core.cell_condition_columns(),
         "runs": _core.run_columns(),
+        "pairs": _core.pair_columns(),
+        "solvers": _core.solver_columns(),
+        "curves": _core.curve_columns(),
+        "group_pairs": _core.group_pair_columns(),
+        "group_solvers": _core.group_solver_columns(),
+        "group_curves": _core.group_curve_columns(),
     }

@@ -159,20 +159,23 @@ nb::tuple run(const std::optional<std::filesystem::path>& cases, std::vector<std
                                              },
                                          .stop_requested = stop_requested});
   });
-  const std::vector<studies::TextTable> results = studies::make_tables(options.tables, comparison);
+  const studies::ComparisonResults results = studies::comparison_results(options.tables, comparison);
   if (folder) folder->write(comparison, results, facts);
   if (report) {
     const std::string of_comparison = studies::comparison_json(comparison, facts);
     studies::replace_file(*report, studies::comparison_page(comparison, results, of_comparison, command));
   }
   nb::list list;
-  for (const studies::TextTable& table : results) list.append(to_tuple(table));
-  return nb::make_tuple(to_columns(comparison.done(), studies::kRunColumns), list);
+  for (const studies::TextTable& table : results.tables) list.append(to_tuple(table));
+  return nb::make_tuple(to_columns(comparison.done(), studies::kRunColumns), list, to_tuple(results.methods));
 }
 
 }  // namespace
 
 void bind_compare(nb::module_& module) {
+  module.def("group_pair_columns", [] { return meanings(studies::kPairColumns<studies::GroupCell>); });
+  module.def("group_solver_columns", [] { return meanings(studies::kSolverColumns<studies::GroupCell>); });
+  module.def("group_curve_columns", [] { return meanings(studies::kCurveColumns<studies::GroupCell>); });
   module.def("run_columns", [] { return meanings(studies::kRunColumns); });
   module.def("run_comparison", &run, nb::arg("cases").none(), nb::arg("synthetic"), nb::arg("scans").none(),
              nb::arg("trials"), nb::arg("points"), nb::arg("outliers").none(), nb::arg("sigma").none(),

@@ -12,6 +12,7 @@
 
 #include <nanobind/nanobind.h>
 
+#include <consimd/studies/solver_comparison.hpp>
 #include <consimd/studies/table_columns.hpp>
 #include "array_results.hpp"
 #include "interruptible_call.hpp"
@@ -44,6 +45,14 @@ template <typename Rows, typename Columns>
   studies::for_each_column(columns,
                            [&](const auto& column) { arrays[nb::cast(column.name)] = to_array(rows, column); });
   return arrays;
+}
+
+/// The tables of solvers beside each other, in the order of their files: pairs, solvers, curves.
+template <typename Cell>
+[[nodiscard]] nb::tuple to_tuple(const studies::SolverComparison<Cell>& comparison) {
+  return nb::make_tuple(to_columns(comparison.pairs, studies::kPairColumns<Cell>),
+                        to_columns(comparison.solvers, studies::kSolverColumns<Cell>),
+                        to_columns(comparison.curves, studies::kCurveColumns<Cell>));
 }
 
 /// What the columns of a table mean, by name.

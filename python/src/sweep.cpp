@@ -81,11 +81,13 @@ nb::tuple run(std::vector<std::size_t> points, std::optional<std::vector<double>
     const std::string of_study = studies::summary_json(table, {facts.isa, facts.threads, true});
     studies::replace_file(*report, studies::sweep_page(summary, of_study, command));
   }
+  const nb::tuple compared = to_tuple(summary.comparison().value_or(studies::TrialComparison()));
   if (table.wide()) {
     return nb::make_tuple(to_columns(table.records(), studies::kWideTrialColumns),
-                          to_columns(cells, studies::kWideCellColumns));
+                          to_columns(cells, studies::kWideCellColumns), compared);
   }
-  return nb::make_tuple(to_columns(table.records(), studies::kTrialColumns), to_columns(cells, studies::kCellColumns));
+  return nb::make_tuple(to_columns(table.records(), studies::kTrialColumns), to_columns(cells, studies::kCellColumns),
+                        compared);
 }
 
 }  // namespace
@@ -103,6 +105,9 @@ void bind_sweep(nb::module_& module) {
       "recall_low and recall_high of a study. (0, 1) without trials. ValueError if there are more successes.");
   module.def("trial_columns", [] { return meanings(studies::kTrialColumns); });
   module.def("cell_columns", [] { return meanings(studies::kCellColumns); });
+  module.def("pair_columns", [] { return meanings(studies::kPairColumns<studies::ProblemCell>); });
+  module.def("solver_columns", [] { return meanings(studies::kSolverColumns<studies::ProblemCell>); });
+  module.def("curve_columns", [] { return meanings(studies::kCurveColumns<studies::ProblemCell>); });
   module.def("trial_condition_columns", [] { return meanings(studies::kTrialConditionColumns); });
   module.def("cell_condition_columns", [] { return meanings(studies::kCellConditionColumns); });
   module.def("run_sweep", &run, nb::arg("points"), nb::arg("outliers").none(), nb::arg("sigma").none(),

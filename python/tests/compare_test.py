@@ -35,18 +35,25 @@ def test_same_runs_as_the_command(command, tmp_path):
         *("compare", "--synthetic", "facade,noise", "--trials", 2, "--points", 200, "--outliers", 0.5, "--sigma", 1),
         *("--solver", "tcf,ransac", "--out", tmp_path / "cpp"),
     )
-    runs, tables = consimd.compare(**SMALL, out=tmp_path / "python")
+    runs, tables, *compared = consimd.compare(**SMALL, out=tmp_path / "python")
     assert len(runs) == 8
     assert_holds(runs, rows(tmp_path / "cpp/runs.csv"), times=False)
     assert_holds(runs, rows(tmp_path / "python/runs.csv"), times=True)
+    for table, name in zip(compared, ("pairs", "solvers", "curves"), strict=True):
+        assert list(consimd.table_columns()["group_" + name]) == list(table.dtype.names)
+        assert len(table) == len(rows(tmp_path / f"cpp/{name}.csv")) > 0
+        for row, line in zip(table, rows(tmp_path / f"python/{name}.csv"), strict=True):
+            for column in table.dtype.names:
+                text = table.dtype[column].kind == "U"
+                assert row[column] == line[column] if text else np.array_equal(row[column], float(line[column]), equal_nan=True)
     options = [json.loads((tmp_path / which / "comparison.json").read_text())["options"] for which in ("cpp", "python")]
     assert options[0] == options[1]
-    assert list(tables) == ["solvers"]
+    assert list(tables) == ["solvers", "pairs", "quantiles"]
     assert tables["solvers"].markdown in (tmp_path / "python/tables.md").read_text()
 
 
 def test_tables_are_text_for_people():
-    _, tables = consimd.compare(synthetic="facade", tables=["stages", "solvers"], trials=1, solvers="tcf")
+    _, tables, *_ = consimd.compare(synthetic="facade", tables=["stages", "solvers"], trials=1, solvers="tcf")
     assert list(tables) == ["solvers", "stages"]
     table = tables["solvers"]
     assert "recall %" in table.columns
@@ -59,7 +66,7 @@ def test_files_are_cases(tmp_path):
     consimd.synth.write_problem(problem, tmp_path / "mine/a")
     case = {"noise_bound": 0.3, "max_rotation_error_deg": 1, "max_translation_error_m": 0.5}
     (tmp_path / "mine/a/case.json").write_text(json.dumps(case))
-    runs, _ = consimd.compare(tmp_path / "mine", solvers="tcf", seeds=3)
+    runs, *_ = consimd.compare(tmp_path / "mine", solvers="tcf", seeds=3)
     assert runs["group"].tolist() == ["mine"] * 3
     assert runs["seed"].tolist() == [1, 2, 3]
     assert runs["success"].dtype == bool and runs["success"].all()
@@ -69,11 +76,11 @@ def test_files_are_cases(tmp_path):
 
 
 def test_a_folder_is_resumed_and_holds_one_comparison(tmp_path):
-    whole, _ = consimd.compare(**SMALL, out=tmp_path)
+    whole, *_ = consimd.compare(**SMALL, out=tmp_path)
     lines = (tmp_path / "runs.csv").read_text().splitlines(keepends=True)
     (tmp_path / "runs.csv").write_text("".join(lines[:4]))
     told = []
-    again, _ = consimd.compare(**SMALL, out=tmp_path, progress=lambda done, total: told.append((done, total)))
+    again, *_ = consimd.compare(**SMALL, out=tmp_path, progress=lambda done, total: told.append((done, total)))
     assert told[0][0] >= 3 and told[-1] == (8, 8)
     assert (again["seconds"] == whole["seconds"]).sum() >= 3
     with pytest.raises(RuntimeError, match="it has seed 1, not 2"):
@@ -116,7 +123,7 @@ def test_scans_are_those_of_the_command(command, tmp_path):
         *("--out", tmp_path / "cpp"),
     )
     told = []
-    runs, tables = consimd.compare(
+    runs, tables, *_ = consimd.compare(
         scans=tmp_path / "mine", layout="pairs", front_end={"voxel": 0.25, "keypoints": 2000, "iss": True, "best": 2},
         tables=["data", "solvers", "pipeline"], solvers="tcf", thresholds="5,0.5", out=tmp_path / "python",
         progress=lambda done, total: told.append((done, total)),
@@ -164,7 +171,7 @@ def test_progress_may_stop_the_comparison(tmp_path):
 
 
 def test_every_column_has_a_meaning():
-    runs, _ = consimd.compare(synthetic="facade", trials=1, solvers="tcf")
+    runs, *_ = consimd.compare(synthetic="facade", trials=1, solvers="tcf")
     meanings = consimd.table_columns()["runs"]
     assert tuple(meanings) == runs.dtype.names
     assert all(meanings.values())
@@ -183,7 +190,7 @@ def test_bad_arguments_are_named(tmp_path):
         ({"tables": "magic"}, "unknown table 'magic'"),
         ({"thresholds": "magic"}, "unknown thresholds 'magic'"),
         ({"filter": "x"}, "filter is 'x'"),
-        ({"filter": "tcf", "tables": "boost"}, "filter: it is for the table solvers"),
+        ({"filter": "tcf", "tables": "boost"}, "filter: it is for the tables solvers"),
         ({"tables": "scales", "solvers": "tcf"}, "needs a known scale"),
         ({"threads": 0}, "threads is 0"),
     ):

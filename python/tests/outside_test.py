@@ -40,10 +40,10 @@ def assert_same(one, other):
 
 
 def test_a_function_is_a_solver_as_others_are(tmp_path):
-    trials, cells = consimd.sweep(**STUDY, solvers={"mine": tcf, "tcf": None}, out=tmp_path / "sweep")
+    trials, cells, *_ = consimd.sweep(**STUDY, solvers={"mine": tcf, "tcf": None}, out=tmp_path / "sweep")
     assert set(cells["solver"]) == {"mine", "tcf"}
     assert_same(of(trials, "mine"), of(trials, "tcf"))
-    runs, tables = consimd.compare(
+    runs, tables, *_ = consimd.compare(
         synthetic="facade", trials=2, tables=["solvers", "boost"], solvers={"mine": tcf, "tcf": None}
     )
     assert_same(of(runs, "mine", "method"), of(runs, "tcf", "method"))
@@ -75,7 +75,7 @@ def test_answers_may_have_other_forms():
             self.pose, self.inliers = pose, inliers
 
     def run(answer):
-        trials, _ = consimd.sweep(100, [0.2], [0.1], 2, {"mine": answer, "tcf": None})
+        trials, *_ = consimd.sweep(100, [0.2], [0.1], 2, {"mine": answer, "tcf": None})
         return trials[trials["solver"] == "mine"], trials[trials["solver"] == "tcf"]
 
     for answer in (
@@ -138,7 +138,7 @@ def test_an_exception_ends_the_study_with_the_trial_named():
 def test_a_folder_is_resumed_with_the_same_solver_only(tmp_path):
     options = {**STUDY, "threads": 1, "out": tmp_path}
     solvers = {"mine": tcf, "tcf": None}
-    whole, _ = consimd.sweep(**{**options, "out": None}, solvers=solvers)
+    whole, *_ = consimd.sweep(**{**options, "out": None}, solvers=solvers)
 
     def stop(done, total):
         if done > 2:
@@ -153,7 +153,7 @@ def test_a_folder_is_resumed_with_the_same_solver_only(tmp_path):
         consimd.sweep(**options, solvers={"mine": slow, "tcf": None}, progress=stop)
     with open(tmp_path / "trials.csv", newline="") as file:
         assert 0 < len(list(csv.reader(file))) - 1 < len(whole)
-    resumed, _ = consimd.sweep(**options, solvers=solvers)
+    resumed, *_ = consimd.sweep(**options, solvers=solvers)
     assert_same(timeless(resumed), timeless(whole))
     with pytest.raises(RuntimeError, match="it has outside mine version , not 2"):
         consimd.sweep(**options, solvers=solvers, versions={"mine": "2"})
@@ -163,10 +163,10 @@ def test_a_folder_is_resumed_with_the_same_solver_only(tmp_path):
 
 def test_a_comparison_is_resumed_with_the_same_solver_only(tmp_path):
     options = {"synthetic": "facade", "trials": 3, "solvers": {"mine": tcf, "tcf": None}}
-    whole, _ = consimd.compare(**options, versions={"mine": "1"}, out=tmp_path)
+    whole, *_ = consimd.compare(**options, versions={"mine": "1"}, out=tmp_path)
     lines = (tmp_path / "runs.csv").read_text().splitlines(keepends=True)
     (tmp_path / "runs.csv").write_text("".join(lines[:4]))
-    resumed, _ = consimd.compare(**options, versions={"mine": "1"}, out=tmp_path)
+    resumed, *_ = consimd.compare(**options, versions={"mine": "1"}, out=tmp_path)
     assert_same(timeless(resumed), timeless(whole))
     with pytest.raises(RuntimeError, match="it has outside mine version 1, not 2"):
         consimd.compare(**options, versions={"mine": "2"}, out=tmp_path)
@@ -175,7 +175,7 @@ def test_a_comparison_is_resumed_with_the_same_solver_only(tmp_path):
 def test_a_program_is_a_solver(tmp_path):
     (tmp_path / "refuses.py").write_text(REFUSES)
     command = f"exec:{sys.executable} {tmp_path / 'refuses.py'}"
-    trials, _ = consimd.sweep(100, [0.5], [0.1], 2, {"mine": command, "tcf": None})
+    trials, *_ = consimd.sweep(100, [0.5], [0.1], 2, {"mine": command, "tcf": None})
     assert trials["status"].tolist() == ["no_consensus"] * 2 + ["success"] * 2
     with pytest.raises(RuntimeError, match="solver mine: 'exit 3' ended with exit code 3 without the line 'ready'"):
         consimd.sweep(100, [0.5], [0.1], 2, {"mine": "exec:exit 3"})

@@ -50,7 +50,7 @@ def test_of_a_sweep_without_a_folder(tmp_path):
 def test_of_a_comparison(tmp_path):
     result = consimd.compare(synthetic="trees", trials=2, solvers=("tcf", "ransac"), report=tmp_path / "report.html")
     page = (tmp_path / "report.html").read_text(encoding="utf-8")
-    (table,) = result.tables.values()
+    table = result.tables["solvers"]
     assert [list(row.values()) for row in tables_of(page)["table_solvers"]] == table.rows
     assert [(row["method"], row["runs"]) for row in tables_of(page)["methods"]] == [("tcf", 2), ("ransac", 2)]
     assert call_of(page).startswith("consimd.compare(synthetic='trees', ")

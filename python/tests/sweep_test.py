@@ -30,7 +30,7 @@ def test_same_tables_as_the_command(command, tmp_path):
         *("sweep", "--points", 200, "--outliers", "0.5,0.9", "--sigma", "0.5,2,4", "--trials", 4),
         *("--solver", "tcf,ransac", "--seed", 3, "--out", tmp_path / "cpp"),
     )
-    trials, cells = consimd.sweep(**STUDY, out=tmp_path / "python")
+    trials, cells, *_ = consimd.sweep(**STUDY, out=tmp_path / "python")
     assert (len(trials), len(cells)) == (48, 12)
     for name, table in (("trials.csv", trials), ("cells.csv", cells)):
         assert_same_but_for_times(table, read(tmp_path / "cpp" / name))
@@ -47,7 +47,7 @@ def test_results_do_not_depend_on_threads():
 
 
 def test_columns(capsys):
-    trials, cells = consimd.sweep(points=100, outliers=[0.2], sigma=[1.0], trials=2, solvers="tcf")
+    trials, cells, *_ = consimd.sweep(points=100, outliers=[0.2], sigma=[1.0], trials=2, solvers="tcf")
     assert trials["solver"].tolist() == ["tcf", "tcf"]
     assert trials["success"].dtype == bool and trials["success"].all()
     assert trials["seed"].tolist() == [1, 2]
@@ -57,7 +57,7 @@ def test_columns(capsys):
 
 
 def test_every_column_has_a_meaning():
-    trials, cells = consimd.sweep(points=100, outliers=[0.2], sigma=[1.0], trials=1)
+    trials, cells, *_ = consimd.sweep(points=100, outliers=[0.2], sigma=[1.0], trials=1)
     meanings = consimd.table_columns()
     for name, table in (("trials", trials), ("cells", cells)):
         assert tuple(meanings[name]) == table.dtype.names
@@ -67,7 +67,7 @@ def test_every_column_has_a_meaning():
 def test_options_are_part_of_a_solvers_name():
     spelt, label = "confidence=none:max_iterations=0300", "max_iterations=300:confidence=none"
     solvers = [f"ransac:{spelt}:local_optimisation=false", "ransac"]
-    trials, cells = consimd.sweep(points=100, outliers=[0.2], sigma=[1.0], trials=1, solvers=solvers)
+    trials, cells, *_ = consimd.sweep(points=100, outliers=[0.2], sigma=[1.0], trials=1, solvers=solvers)
     assert trials["solver"].tolist() == [f"ransac:{label}:local_optimisation=false", "ransac"]
     assert cells["solver"].tolist() == trials["solver"].tolist()
     with pytest.raises(ValueError, match="solver 'tcf' has no option 'max_nodes', expected one of: confidence"):
@@ -75,7 +75,7 @@ def test_options_are_part_of_a_solvers_name():
 
 
 def test_the_default_noise_levels_are_the_papers():
-    trials, _ = consimd.sweep(points=50, outliers=[0.1], trials=1)
+    trials, *_ = consimd.sweep(points=50, outliers=[0.1], trials=1)
     assert np.array_equal(trials["sigma"], np.round(np.linspace(0.1, 5, 50), 12))
 
 
@@ -127,7 +127,7 @@ def test_beyond_the_papers_study(command, tmp_path):
         *("--family", "gaussian,decoy", "--bound-factor", "1,estimated", "--out", tmp_path / "cpp"),
     )
     study = dict(outliers=[0.5], sigma=[0.5], trials=4)
-    trials, cells = consimd.sweep(
+    trials, cells, *_ = consimd.sweep(
         points=(80, 120), family=("gaussian", "decoy"), bound_factor=(1, "estimated"), no_pose=0.25, **study
     )
     assert (len(trials), len(cells)) == (32, 8)
@@ -141,7 +141,7 @@ def test_beyond_the_papers_study(command, tmp_path):
     assert trials["true_pose"].tolist() == [True, True, True, False] * 8
     assert cells["without_pose"].tolist() == [1] * 8
     # Every value of a keyword may stand alone.
-    trials, _ = consimd.sweep(points=100, scale="unknown", solvers="pcr99", family="planar", bound_factor=2, **study)
+    trials, *_ = consimd.sweep(points=100, scale="unknown", solvers="pcr99", family="planar", bound_factor=2, **study)
     assert trials["scale"].tolist() == ["unknown"] * 4
     for wrong in (dict(family="magic"), dict(scale="guessed"), dict(bound_factor="x"), dict(no_pose=1.0), dict(points=[])):
         with pytest.raises(ValueError, match=next(iter(wrong))):
@@ -165,7 +165,7 @@ def test_wilson_interval():
     low, high = consimd.wilson_interval(8, 10)
     assert (low, high) == (pytest.approx(0.4901625), pytest.approx(0.9433178))
     assert consimd.wilson_interval(0, 0) == (0, 1)
-    _, cells = consimd.sweep(points=100, outliers=[0.9], sigma=[1.0], trials=3)
+    _, cells, *_ = consimd.sweep(points=100, outliers=[0.9], sigma=[1.0], trials=3)
     successes = round(3 * cells["recall"][0])
     assert consimd.wilson_interval(successes, 3) == (cells["recall_low"][0], cells["recall_high"][0])
     with pytest.raises(ValueError, match="4 successes of 3 trials"):
@@ -174,7 +174,7 @@ def test_wilson_interval():
 
 def test_plots(tmp_path):
     pytest.importorskip("matplotlib")
-    _, cells = consimd.sweep(points=100, outliers=[0.2, 0.5], sigma=[0.5, 1.0], trials=2, family=("gaussian", "decoy"))
+    _, cells, *_ = consimd.sweep(points=100, outliers=[0.2, 0.5], sigma=[0.5, 1.0], trials=2, family=("gaussian", "decoy"))
     files = consimd.plot_sweep(cells, tmp_path / "new")
     assert [file.name for file in files] == ["recall.svg", "recall.png", "errors.svg", "errors.png"]
     assert "decoy" in files[0].read_text()

@@ -51,11 +51,12 @@ assert_type(features.farthest_subset(points, 10, seed=2, threads=1), NDArray[np.
 descriptors, described = features.fpfh(points, 2.0, normal_radius=1.0, rows=[1, 2], viewpoint=None)
 assert_type(features.match(descriptors, descriptors, ratio=0.9)[0], NDArray[np.int64])
 
-trials, cells = consimd.sweep(points=100, outliers=[0.5], sigma=[1.0], trials=2, progress=lambda done, total: None)
+trials, cells, *_ = consimd.sweep(points=100, outliers=[0.5], sigma=[1.0], trials=2, progress=lambda done, total: None)
 recalls: NDArray[np.float64] = cells["recall"]
 consimd.sweep(solvers={"mine": lambda p, q, bound, seed: None, "yours": "exec:./solver", "tcf": None}, time_limit=2)
-runs, tables = consimd.compare(synthetic="facade", trials=1, solvers=["tcf"], scales=[1, 2.0], out="folder")
+runs, tables, *_ = consimd.compare(synthetic="facade", trials=1, solvers=["tcf"], scales=[1, 2.0], out="folder")
 assert_type(tables["solvers"].rows, list[list[str]])
+assert_type(consimd.compare(synthetic="facade", trials=1).pairs, NDArray[np.void])
 assert_type(consimd.table_columns()["runs"]["seed"], str)
 
 consimd.register(points)  # type: ignore[call-overload]  # no target

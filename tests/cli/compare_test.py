@@ -30,7 +30,8 @@ class Compare(CommandTest):
     def test_files_and_table(self):
         out = self.run_command(*SMALL)
         files = {path.name for path in (self.folder / "c").iterdir()}
-        self.assertEqual(files, {"runs.csv", "comparison.json", "tables.md", "table_solvers.csv"})
+        self.assertEqual(files, {"runs.csv", "comparison.json", "tables.md", "table_solvers.csv", "table_pairs.csv",
+                                 "table_quantiles.csv", "pairs.csv", "solvers.csv", "curves.csv", "drawn"})
         tables = (self.folder / "c/tables.md").read_text()
         for text in ("synthetic stand-in for ETH Facade, not its data", "thresholds `case`", "facade: 5 deg, 0.5 m",
                      "noise 50 %", "RMSE of the true inliers below the noise bound", "| recall % |"):
@@ -40,7 +41,7 @@ class Compare(CommandTest):
         self.assertEqual(
             ",".join(runs[0]),
             "group,case,method,seed,status,success,rotation_error_deg,translation_error,rows,inliers,kept,"
-            "kept_inliers,seconds,scale_error",
+            "kept_inliers,seconds,scale_error,limit_ratio,oracle_rotation_error_deg,oracle_translation_error",
         )
         self.assertEqual([(run["group"], run["method"]) for run in runs],
                          [(group, method) for group in ("facade", "noise 50 %") for _ in range(2)
@@ -50,6 +51,41 @@ class Compare(CommandTest):
         summary = json.loads((self.folder / "c/comparison.json").read_text())
         self.assertEqual((summary["complete"], summary["runs_done"]), (True, 8))
         self.assertIn("stand-in", summary["data"][0]["provenance"])
+
+    def test_solvers_beside_each_other(self):
+        """plain RANSAC of ten samples fails where tcf does not; two seeds of a case are one case."""
+        out = self.run_command(
+            "compare", "--synthetic", "facade,trees", "--trials", 8, "--seeds", 2, "--solver",
+            "tcf,ransac:max_iterations=10:confidence=none", "--out", "c")  # fmt: skip
+        (pair,) = self.rows("c/table_pairs.csv")
+        self.assertEqual((pair["A"], pair["B"].split(":")[0]), ("tcf", "ransac"))
+        self.assertEqual((pair["better"], pair["cases"], pair["B alone"]), ("tcf", "16", "0"))
+        self.assertIn("trees", pair["in"])
+        self.assertIn("### Solvers on the same cases", out)
+        self.assertIn("c/pairs.csv, c/solvers.csv, c/curves.csv", out)
+        runs = self.rows("c/runs.csv")
+        wins = {(run["group"], run["case"]): 0 for run in runs}
+        for run in runs:
+            wins[run["group"], run["case"]] += int(run["success"]) * (1 if run["method"] == "tcf" else -1)
+        rows = {row["group"]: row for row in self.rows("c/pairs.csv")}
+        self.assertEqual(list(rows), ["facade", "trees", "all groups"])
+        for group, row in rows.items():
+            mine = [count for (of, _), count in wins.items() if group in (of, "all groups")]
+            self.assertEqual((int(row["trials"]), int(row["only_a"]), int(row["only_b"])),
+                             (len(mine), sum(count > 0 for count in mine), sum(count < 0 for count in mine)))
+            self.assertAlmostEqual(float(row["recall_difference"]), sum(mine) / (2 * len(mine)))
+            self.assertLessEqual(float(row["p_value"]), float(row["p_value_holm"]))
+        for row in self.rows("c/curves.csv"):
+            if row["threshold"] != "1":
+                continue
+            mine = [run["success"] for run in runs
+                    if run["method"] == row["solver"] and row["group"] in (run["group"], "all groups")]
+            self.assertAlmostEqual(float(row["recall"]), mine.count("1") / len(mine))
+        # One solver: quantiles alone.
+        self.run_command("compare", "--synthetic", "facade", "--trials", 2, "--solver", "tcf", "--out", "c", "--fresh")
+        self.assertEqual({path.name for path in (self.folder / "c").glob("*.*")},
+                         {"runs.csv", "comparison.json", "tables.md", "table_solvers.csv", "table_quantiles.csv"})
+        self.assert_error("compare", "--solver", "tcf", "--table", "pairs", "--out", "d", says="table pairs: it needs two")
 
     def test_every_table(self):
         out = self.run_command(
@@ -83,6 +119,9 @@ class Compare(CommandTest):
         self.run_command(*iterations, "--fresh", "--iterations", 5)  # one point makes no curve, but a figure
         self.run_command(*SMALL, "--fresh")  # removes what it does not draw anew
         self.assertEqual(files & {path.name for path in (self.folder / "c").iterdir()}, set())
+        drawn = (self.folder / "c/comparison.svg").read_text()
+        for text in ("tcf − ransac, all groups", "facade", "noise 50 %", "difference of recall"):
+            self.assertIn(text, drawn)
 
     def test_unknown_scale(self):
         out = self.run_command("compare", "--table", "scales", "--scales", "0.2,5", "--trials", 1, "--out", "c")
@@ -157,6 +196,7 @@ class Compare(CommandTest):
         self.assertTrue(5 <= done < 80, done)
         self.assertIn(f"{done} done before", self.run_command(*long, "--out", "c"))
         self.assertEqual(self.timeless("c/runs.csv"), self.timeless("whole/runs.csv"))
+        self.assertEqual((self.folder / "c/curves.csv").read_text(), (self.folder / "whole/curves.csv").read_text())
         self.assert_error(*long, "--out", "c", "--seed", 2, says="c holds another comparison: it has seed 1, not 2")
 
     def test_one_process_at_a_time(self):

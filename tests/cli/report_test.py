@@ -76,6 +76,8 @@ class Report(CommandTest):
         self.assert_rows(rows, "study/cells.csv")
         (tcf, ransac) = self.rows_of(text, "solvers")
         self.assertEqual((tcf["solver"], tcf["cells"], tcf["trials"], ransac["solver"]), ("tcf", 6, 24, "ransac"))
+        for table, file in (("pairs", "pairs.csv"), ("precision", "solvers.csv"), ("curves", "curves.csv")):
+            self.assert_rows(self.rows_of(text, table), f"study/{file}")
         self.assertEqual(tcf["successes"], round(sum(4 * row["recall"] for row in rows if row["solver"] == "tcf")))
         self.assertIn("--solver tcf,ransac --out study --report report.html</pre>", text)
         cpu = json.loads((self.folder / "study/summary.json").read_text(encoding="utf-8"))["machine"]["cpu"]
@@ -97,7 +99,9 @@ class Report(CommandTest):
         rows = self.rows_of(text, "methods")
         self.assertEqual({(row["group"], row["method"], row["runs"]) for row in rows},
                          {(group, method, 2) for group in ("trees", "arch") for method in ("tcf", "ransac")})
-        self.assert_rows(self.rows_of(text, "table_solvers"), "runs/table_solvers.csv")
+        for table, file in (("table_solvers", "table_solvers.csv"), ("table_pairs", "table_pairs.csv"),
+                            ("pairs", "pairs.csv"), ("precision", "solvers.csv"), ("curves", "curves.csv")):
+            self.assert_rows(self.rows_of(text, table), f"runs/{file}")
         self.assertIn("--synthetic trees,arch --trials 2 --solver tcf,ransac --out runs --report report.html</pre>", text)
 
     def test_in_the_output_folder(self):
@@ -151,7 +155,7 @@ class Report(CommandTest):
         text = self.page(*SWEEP, "--out", "study")
         times = [row["seconds_median"] for row in self.rows_of(text, "cells")]
         click = """
-          const ths = document.querySelectorAll(".wide th");
+          const ths = document.querySelectorAll('[aria-label="All cells"] th');
           for (let i = 0; i < CLICKS; ++i) ths[ths.length - 1].click();"""
         for clicks, wanted in ((0, times), (1, sorted(times)), (2, sorted(times, reverse=True))):
             shown, console = document(self.shown(text, click.replace("CLICKS", str(clicks))))
@@ -179,7 +183,7 @@ class Report(CommandTest):
         text = self.page(*COMPARE, "--out", "runs")
         shown, console = document(self.shown(text, self.HOVER))
         self.assertEqual(console, [])
-        self.assertEqual(re.findall(r"<h3>([^<]*)</h3>", shown), 2 * ["arch", "trees"])
+        self.assertEqual(re.findall(r"<h3>([^<]*)</h3>", shown), 2 * ["arch", "trees"] + ["group arch", "group trees", "group all groups"])
         self.assertIn("<tr><th>method</th><td>tcf</td></tr>", shown)
 
 

@@ -192,6 +192,13 @@ class Scans(CommandTest):
             self.run_command(*compare, "--out", "s", "--shard", f"{index}/3")
         self.run_command("merge", "s")
         self.assertEqual(self.timeless("s/runs.csv"), self.timeless("whole/runs.csv"))
+        for name in ("pairs.csv", "solvers.csv", "curves.csv"):
+            mine, wanted = (
+                [{key: value for key, value in row.items() if not key.startswith(("time_", "seconds"))}
+                 for row in self.rows(f"{folder}/{name}")] for folder in ("s", "whole"))  # fmt: skip
+            self.assertEqual(mine, wanted, name)
+        self.assertEqual({row["group"] for row in self.rows("s/pairs.csv")},
+                         {"facade", "noise 50 %", "2 % inliers", "all groups"})  # scales has one solver
         self.assertEqual(self.rows("s/table_iterations.csv")[0]["recall %"],
                          self.rows("whole/table_iterations.csv")[0]["recall %"])  # fmt: skip
 

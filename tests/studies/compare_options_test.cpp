@@ -82,7 +82,7 @@ TEST(CompareOptions, NameTheFault) {
         o.tables.filtered = true;
         o.tables.tables = {"boost"};
       },
-      "filter: it is for the table solvers");
+      "filter: it is for the tables solvers");
 }
 
 TEST(CompareOptions, AreToldAsText) {

@@ -114,7 +114,7 @@ TEST(ComparisonFolder, NamesTheDifferenceToAnotherComparison) {
   EXPECT_THAT(open, ThrowsMessage<std::runtime_error>(HasSubstr("it has seed 5, not 6")));
   { const ComparisonFolder files(folder / "c", comparison, other, true); }
   EXPECT_NO_THROW(open());
-  write_text(folder / "c/runs.csv", csv_header(kRunColumns) + "\nfacade,0,magic,5,success,1,0,0,1,1,1,1,0,0\n");
+  write_text(folder / "c/runs.csv", csv_header(kRunColumns) + "\nfacade,0,magic,5,success,1,0,0,1,1,1,1,0,0,0,0,0\n");
   EXPECT_THAT(open,
               ThrowsMessage<std::runtime_error>(HasSubstr("runs.csv:2: magic on facade 0 with seed 5 is not of")));
   std::filesystem::remove(folder / "c/comparison.json");
@@ -164,13 +164,16 @@ TEST(RunRecord, ReadsBackTheSameBits) {
                       .kept = 2,
                       .kept_inliers = 1,
                       .seconds = 1.0 / 3.0,
-                      .scale_error = 1.0 / 7.0};
+                      .scale_error = 1.0 / 7.0,
+                      .limit_ratio = 1.0 / 11.0,
+                      .oracle_rotation_error_deg = 1.0 / 13.0,
+                      .oracle_translation_error = 1e-19};
   std::string line = to_csv_row(run);
   line.pop_back();
   EXPECT_EQ(parse_run_row(line), run);
   RunRecord none = run;
   none.success = false;
-  none.rotation_error_deg = none.translation_error = none.scale_error = std::nan("");
+  none.rotation_error_deg = none.translation_error = none.scale_error = none.limit_ratio = std::nan("");
   line = to_csv_row(none);
   line.pop_back();
   EXPECT_FALSE(parse_run_row(line).has_pose());

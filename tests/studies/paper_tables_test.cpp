@@ -9,6 +9,7 @@
 
 #include <consimd/studies/method.hpp>
 #include <consimd/studies/run_statistics.hpp>
+#include <consimd/studies/table_runs.hpp>
 
 namespace consimd::studies {
 namespace {
@@ -115,7 +116,7 @@ TEST(PaperTables, TellWhatWasRun) {
     run->seed = 1;
     comparison.put(*run);
   }
-  const std::vector<TextTable> tables = make_tables(options, comparison);
+  const std::vector<TextTable> tables = comparison_results(options, comparison).tables;
   ASSERT_EQ(tables.size(), 5u);
   const std::string errors = "0.250 (0.250)", shifts = "0.040 (0.040)";
   EXPECT_EQ(tables[0].name, "solvers");
@@ -159,7 +160,7 @@ TEST(PaperTables, ThePipelineIsRunOnScans) {
       comparison.put(run);
     }
   }
-  const std::vector<TextTable> tables = make_tables(options, comparison);
+  const std::vector<TextTable> tables = comparison_results(options, comparison).tables;
   ASSERT_EQ(tables.size(), 2u);
   EXPECT_THAT(tables[0].rows, ElementsAre(ElementsAre("arch", "2", "17.00", "1000", "10.0")));
   const std::string errors = "0.250 (0.250)", shifts = "0.040 (0.040)", range = "9.5 - 90.5";
@@ -188,7 +189,7 @@ TEST(PaperTables, ScalesAreThoseOfSolversThatFindThem) {
     run.scale_error = error;
     comparison.put(run);
   }
-  const TextTable table = make_tables(options, comparison).front();
+  const TextTable table = comparison_results(options, comparison).tables.front();
   EXPECT_EQ(table.name, "scales");
   ASSERT_EQ(table.rows.size(), 4u);
   EXPECT_THAT(table.rows[0], ElementsAre("scale 0.2", "teaser", "100.0", "34.2 - 100.0", "1.23", "0.250 (0.250)",
@@ -202,9 +203,53 @@ TEST(PaperTables, UnfinishedOnesSaySo) {
   std::vector<CaseGroup> groups = stand_in_groups({"arch"}, 1, 1, "case");
   groups.front().methods = methods_of(options);
   const Comparison nothing(std::move(groups), 1);
-  const TextTable table = make_tables(options, nothing).front();
+  const TextTable table = comparison_results(options, nothing).tables.front();
   EXPECT_THAT(table.rows, ElementsAre(ElementsAre("arch", "tcf", "-", "0.0 - 100.0", "- (-)", "- (-)", "-")));
   EXPECT_THAT(table.caption[2], HasSubstr("Unfinished: 0 of 1 runs"));
+}
+
+TEST(PaperTables, PairsSayWhoIsBetterAndWhere) {
+  TableOptions options = all_tables();
+  options.tables = {"pairs", "quantiles"};
+  EXPECT_THAT(methods_of(options), ElementsAre("tcf", "ransac"));
+  std::vector<CaseGroup> groups = stand_in_groups({"arch", "trees"}, 10, 1, "paper");
+  for (CaseGroup& group : groups) group.methods = methods_of(options);
+  Comparison comparison(std::move(groups), 1);
+  for (const CaseGroup& group : comparison.groups()) {
+    for (std::uint64_t k = 0; k < 10; ++k) {
+      for (const std::string& method : group.methods) {
+        const bool success = method == "tcf" || group.name == "trees";
+        RunRecord run = success ? run_of(method, method == "tcf" ? 0.25 : 0.5, 0.04, true, 0.005)
+                                : run_of(method, kNaN, kNaN, false, 0.005);
+        run.group = group.name;
+        run.case_name = std::to_string(k);
+        run.seed = 1 + k;
+        run.oracle_rotation_error_deg = 0.25;
+        run.oracle_translation_error = 0.02;
+        comparison.put(run);
+      }
+    }
+  }
+  const std::vector<TextTable> tables = comparison_results(options, comparison).tables;
+  ASSERT_EQ(tables.size(), 2u);
+  EXPECT_EQ(tables[0].name, "pairs");
+  ASSERT_EQ(tables[0].rows.size(), 1u);
+  const std::vector<std::string>& pair = tables[0].rows[0];
+  EXPECT_THAT(std::vector(pair.begin(), pair.begin() + 9),
+              ElementsAre("tcf", "ransac", "tcf", "arch", "20", "10", "0", "0.0020", "0.0020"));
+  EXPECT_THAT(pair[9], HasSubstr("50 ("));
+  EXPECT_EQ(pair[10], "-0.25 (-0.25 .. -0.25)");
+  EXPECT_EQ(pair[12], "1 (1 .. 1)");
+  ASSERT_EQ(tables[1].rows.size(), 6u);
+  EXPECT_THAT(tables[1].rows[1],
+              ElementsAre("arch", "ransac", "10", "0.0", "0.0 - 27.8", "-", "-", "-", "-", "-", "-", "-", "-", "-"));
+  EXPECT_THAT(tables[1].rows[5], ElementsAre("all groups", "ransac", "20", "50.0", "29.9 - 70.1", "0.5", "-", "0.04",
+                                             "-", "0.25", "0.25", "5.00", "-", "-"));
+  for (const TextTable& table : tables) EXPECT_THAT(table.caption[1], HasSubstr("arch, trees: 5 deg, 0.5 m"));
+  options.solvers = {"tcf"};
+  EXPECT_NO_THROW(validate(options));
+  options.tables = {"pairs"};
+  EXPECT_THROW(validate(options), std::invalid_argument);
 }
 
 TEST(PaperTables, RefuseBadOptions) {

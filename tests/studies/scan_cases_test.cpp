@@ -248,8 +248,8 @@ TEST(ScanCases, ShardsMergedEqualTheWhole) {
   const ComparisonFacts facts{.options = option_texts(options), .isa = "scalar"};
   Comparison whole = make_comparison(options);
   run_comparison(whole);
-  const std::vector<TextTable> tables = make_tables(options.tables, whole);
-  ComparisonFolder(folder / "whole", whole, facts, false).write(whole, tables, facts);
+  const ComparisonResults results = comparison_results(options.tables, whole);
+  ComparisonFolder(folder / "whole", whole, facts, false).write(whole, results, facts);
 
   std::vector<fs::path> shards;
   for (const std::uint32_t index : {1U, 2U}) {
@@ -275,8 +275,9 @@ TEST(ScanCases, ShardsMergedEqualTheWhole) {
   EXPECT_EQ(comparison_shards({folder / "s"}), shards);
   EXPECT_TRUE(comparison_shards({folder / "whole"}).empty());
   const MergedComparison merged = merge_comparisons({shards[1], shards[0]});
-  write_comparison(folder / "merged", merged, make_tables(merged.tables, merged.comparison), false);
-  for (const char* file : {"runs.csv", "tables.md", "table_solvers.csv", "table_data.csv", "comparison.json"}) {
+  write_comparison(folder / "merged", merged, comparison_results(merged.tables, merged.comparison), false);
+  for (const char* file : {"runs.csv", "tables.md", "table_solvers.csv", "table_data.csv", "pairs.csv", "solvers.csv",
+                           "curves.csv", "comparison.json"}) {
     EXPECT_EQ(text_of(folder / "merged" / file), text_of(folder / "whole" / file)) << file;
   }
 

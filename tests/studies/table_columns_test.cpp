@@ -7,8 +7,9 @@
 
 #include <consimd/studies/cell_summary.hpp>
 #include <consimd/studies/limits.hpp>
+#include <consimd/studies/method_comparison.hpp>
 #include <consimd/studies/run_record.hpp>
-#include <consimd/studies/solver_comparison.hpp>
+#include <consimd/studies/trial_comparison.hpp>
 #include <consimd/studies/trial_record.hpp>
 #include <consimd/synth/problem_families.hpp>
 #include "temporary_folder.hpp"
@@ -37,7 +38,7 @@ TEST(TableColumns, AreThoseThatScriptsRead) {
             "sigma,problems,chance_support_mean,chance_support_max,fixed_support_mean,limit_outlier_ratio");
   EXPECT_EQ(csv_header(kRunColumns),
             "group,case,method,seed,status,success,rotation_error_deg,translation_error,rows,inliers,kept,"
-            "kept_inliers,seconds,scale_error");
+            "kept_inliers,seconds,scale_error,limit_ratio,oracle_rotation_error_deg,oracle_translation_error");
 }
 
 /// Rows of a page's table of columns, in the words of the declarations.
@@ -61,14 +62,18 @@ TEST(TableColumns, StandInThePages) {
   EXPECT_THAT(test::text_of(docs / "comparison.md"), testing::HasSubstr(page_rows(kRunColumns)));
 }
 
-TEST(TableColumns, OfComparisonsStandInThePage) {
+/// The columns that name the cells in one table, what follows them in others.
+TEST(TableColumns, OfComparisonsStandInThePages) {
   const std::string page = test::text_of(std::filesystem::path(CONSIMD_DOCS) / "noise_study.md");
-  const std::string cell = page_rows(kProblemCellColumns<PairRecord>);
+  const std::string cell = page_rows(ProblemCell::columns<PairRow<ProblemCell>>());
   EXPECT_THAT(page, testing::HasSubstr(cell));
-  for (const std::string& rows : {page_rows(kPairColumns), page_rows(kSolverColumns), page_rows(kCurveColumns)}) {
+  for (const std::string& rows : {page_rows(kPairColumns<ProblemCell>), page_rows(kSolverColumns<ProblemCell>),
+                                  page_rows(kCurveColumns<ProblemCell>)}) {
     EXPECT_TRUE(rows.starts_with(cell));
     EXPECT_THAT(page, testing::HasSubstr(rows.substr(cell.size())));
   }
+  EXPECT_THAT(test::text_of(std::filesystem::path(CONSIMD_DOCS) / "comparison.md"),
+              testing::HasSubstr(page_rows(GroupCell::columns<PairRow<GroupCell>>())));
 }
 
 TEST(ProblemFamilies, StandInThePage) {

@@ -11,8 +11,10 @@
 
 #include <consimd/solvers/solver.hpp>
 #include <consimd/studies/case_folder.hpp>
+#include <consimd/studies/table_runs.hpp>
 #include <consimd/studies/value_list.hpp>
 #include <consimd/synth/stand_ins.hpp>
+#include "compare/table_methods.hpp"
 
 namespace consimd::studies {
 namespace {
@@ -102,7 +104,7 @@ void require_positive(std::string_view what, std::uint32_t number) {
 }  // namespace
 
 CompareOptions::CompareOptions()
-    : tables{.tables = {"solvers"},
+    : tables{.tables = {"solvers", "pairs", "quantiles"},
              .solvers = {},
              .iterations = {1000, 3000, 10'000, 30'000, 100'000, 300'000, 1'000'000},
              .scales = {0.2, 0.5, 1.0, 2.0, 5.0}} {
@@ -115,8 +117,9 @@ Comparison make_comparison(const CompareOptions& options, const std::optional<Sh
   if (!options.scans && !scan_methods(options.tables).empty()) {
     throw std::invalid_argument("table pipeline: it is made of scans; name their folder and its layout");
   }
-  if (options.tables.filtered && std::ranges::count(options.tables.tables, "solvers") == 0) {
-    throw std::invalid_argument("filter: it is for the table solvers; boost runs with and without");
+  if (options.tables.filtered && !detail::wants_solvers(options.tables)) {
+    throw std::invalid_argument(
+        "filter: it is for the tables solvers, pairs and quantiles; boost runs with and without");
   }
   require_positive("trials", options.trials);
   require_positive("iteration problems", options.iteration_problems);

@@ -24,28 +24,46 @@ void require_csv_name(std::string_view what, std::string_view name) {
       fmt::format("{} '{}': expected a name without commas, quotes and line breaks", what, name));
 }
 
-bool succeeds(const Case& tried, const CaseData& data, const Outcome& outcome, const RunRecord& record) {
-  if (!outcome.has_pose) return false;
+/// The error of a pose over its limit.
+double limit_ratio(const Case& tried, const CaseData& data, const Outcome& outcome, const RunRecord& record) {
   if (tried.displacement) {
     return root_mean_square_displacement(tried.displacement->information, outcome.T_target_source,
-                                         data.problem.T_target_source) <= tried.displacement->root_mean_square;
+                                         data.problem.T_target_source) /
+           tried.displacement->root_mean_square;
   }
   if (!tried.limits) {
-    return synth::rmse_true_inliers(data.problem, outcome.T_target_source, outcome.scale) < data.noise_bound;
+    return synth::rmse_true_inliers(data.problem, outcome.T_target_source, outcome.scale) / data.noise_bound;
   }
-  return record.rotation_error_deg <= tried.limits->rotation_deg &&
-         record.translation_error <= tried.limits->translation;
+  return std::max(record.rotation_error_deg / tried.limits->rotation_deg,
+                  record.translation_error / tried.limits->translation);
 }
+
+/// Errors of least squares on the true inliers.
+struct OracleErrors {
+  double rotation_deg = kNaN;
+  double translation = kNaN;
+
+  OracleErrors() = default;
+  explicit OracleErrors(const synth::Problem& problem) {
+    constexpr std::ptrdiff_t kFewest = 3;  // that determine a pose
+    if (std::ranges::count(problem.is_inlier, 1) < kFewest) return;
+    const RigidTransform pose = synth::oracle(problem);
+    rotation_deg = synth::rotation_error_deg(pose, problem.T_target_source);
+    translation = synth::translation_error(pose, problem.T_target_source);
+  }
+};
 
 /// The data of a case, read when a run first needs them.
 struct Loaded {
   std::shared_ptr<const CaseData> data = {};  // outside solvers may keep the points
   Correspondences correspondences = {};
+  OracleErrors oracle = {};
 
   void require(const Case& from) {
     if (data) return;
     data = std::make_shared<const CaseData>(from.load());
     correspondences = data->problem.correspondences();
+    oracle = OracleErrors(data->problem);
   }
 };
 
@@ -61,15 +79,18 @@ Outcome outcome_on(const Case& on, const Loaded& loaded, const CaseGroup& group,
                                           .name = fmt::format("{} {} with seed {}", group.name, on.name, seed)});
 }
 
-RunRecord record_of(const Outcome& outcome, const Case& on, const CaseData& data, const CaseGroup& group,
-                    const std::string& method, std::uint64_t seed) {
+RunRecord record_of(const Outcome& outcome, const Case& on, const CaseData& data, const OracleErrors& oracle,
+                    const CaseGroup& group, const std::string& method, std::uint64_t seed) {
   const synth::Problem& problem = data.problem;
   const RigidTransform& truth = problem.T_target_source;
   RunRecord record{.group = group.name, .case_name = on.name, .method = method, .seed = seed, .status = outcome.status};
   record.rotation_error_deg = outcome.has_pose ? synth::rotation_error_deg(outcome.T_target_source, truth) : kNaN;
   record.translation_error = outcome.has_pose ? synth::translation_error(outcome.T_target_source, truth) : kNaN;
   record.scale_error = outcome.has_pose ? synth::scale_error(outcome.scale, problem.scale) : kNaN;
-  record.success = succeeds(on, data, outcome, record);
+  record.limit_ratio = outcome.has_pose ? limit_ratio(on, data, outcome, record) : kNaN;
+  record.success = record.limit_ratio <= 1.0;
+  record.oracle_rotation_error_deg = oracle.rotation_deg;
+  record.oracle_translation_error = oracle.translation;
   record.rows = problem.size();
   record.inliers = static_cast<std::uint64_t>(std::ranges::count(problem.is_inlier, 1));
   record.kept = outcome.kept.size();
@@ -86,6 +107,9 @@ Comparison::Comparison(std::vector<CaseGroup> groups, std::uint32_t runs, Outsid
   std::size_t number = 0;
   for (const CaseGroup& group : groups_) {
     require_csv_name("group", group.name);
+    if (group.name == kAllGroups) {
+      throw std::invalid_argument(fmt::format("group '{}': the tables call all groups together so", group.name));
+    }
     for (const Case& tried : group.cases) {
       require_csv_name("case", tried.name);
       if (const bool of_others = shard_ && !shard_->owns(number++); of_others) continue;
@@ -155,12 +179,12 @@ void run_comparison(Comparison& comparison, const ComparisonControl& control) {
           RunRecord record;
           if (const std::optional<std::string_view> solver = pipeline_solver(method)) {
             const ScanRun run = tried.register_scans(*solver, seed);
-            record = record_of(run.outcome, tried, run.data, group, method, seed);
+            record = record_of(run.outcome, tried, run.data, OracleErrors(run.data.problem), group, method, seed);
           } else {
             loaded.require(tried);
             const Outcome outcome = outcome_on(tried, loaded, group, method, seed, comparison.outside());
             if (control.on_failure && !outcome.failure.empty()) control.on_failure(outcome.failure);
-            record = record_of(outcome, tried, *loaded.data, group, method, seed);
+            record = record_of(outcome, tried, *loaded.data, loaded.oracle, group, method, seed);
           }
           if (control.on_run) control.on_run(record);
           comparison.put(std::move(record));

@@ -14,6 +14,7 @@
 #include "compare/comparison_summary.hpp"
 #include "files/csv_file.hpp"
 #include "provenance/run_json.hpp"
+#include "statistics/comparison_files.hpp"
 
 namespace consimd::studies {
 namespace fs = std::filesystem;
@@ -31,6 +32,7 @@ void remove_comparison(const fs::path& folder) {
   for (const std::string_view name : {kRunsFile, kComparisonFile, kTables}) fs::remove(folder / name);
   for (const std::string_view name : kFigures) fs::remove(folder / name);
   for (const TableInfo& table : paper_tables()) fs::remove(folder / table_file(table.name));
+  for (const std::string_view name : kSolverComparisonFiles) fs::remove(folder / name);
   fs::remove_all(folder / kCorrespondences);
 }
 
@@ -58,13 +60,14 @@ std::string runs_text(const Comparison& comparison) {
   return runs;
 }
 
-void write_tables(const fs::path& folder, const std::vector<TextTable>& tables, const Json& summary) {
+void write_results(const fs::path& folder, const ComparisonResults& results, const Json& summary) {
   std::string text;
-  for (const TextTable& table : tables) {
+  for (const TextTable& table : results.tables) {
     text += fmt::format("{}\n", to_markdown(table));
     replace_file(folder / table_file(table.name), to_csv(table));
   }
   replace_file(folder / kTables, text + environment_line(summary) + "\n");
+  if (!results.methods.pairs.empty()) write_solver_comparison(folder, results.methods);
 }
 
 Json summary_of(const Comparison& comparison, const ComparisonFacts& facts) {
@@ -105,17 +108,17 @@ void ComparisonFolder::append(const RunRecord& record) {
   if (!runs_) throw std::runtime_error(fmt::format("{}: cannot write", (folder_ / kRunsFile).string()));
 }
 
-void ComparisonFolder::write(const Comparison& comparison, const std::vector<TextTable>& tables,
+void ComparisonFolder::write(const Comparison& comparison, const ComparisonResults& results,
                              const ComparisonFacts& facts) {
   runs_.close();
   replace_file(folder_ / kRunsFile, runs_text(comparison));
   open_runs();
   const Json summary = summary_of(comparison, facts);
-  if (!comparison.shard()) write_tables(folder_, tables, summary);
+  if (!comparison.shard()) write_results(folder_, results, summary);
   replace_file(folder_ / kComparisonFile, summary_text(summary));
 }
 
-void write_comparison(const fs::path& folder, const MergedComparison& merged, const std::vector<TextTable>& tables,
+void write_comparison(const fs::path& folder, const MergedComparison& merged, const ComparisonResults& results,
                       bool fresh) {
   Json summary = parse_json(merged.summary);
   require_writable_folder(folder);
@@ -126,7 +129,7 @@ void write_comparison(const fs::path& folder, const MergedComparison& merged, co
   summary["complete"] = false;
   replace_file(folder / kComparisonFile, summary_text(summary));
   replace_file(folder / kRunsFile, runs_text(merged.comparison));
-  write_tables(folder, tables, summary);
+  write_results(folder, results, summary);
   replace_file(folder / kComparisonFile, merged.summary);
 }
 

@@ -9,8 +9,8 @@
 
 #include <consimd/studies/comparison.hpp>
 #include <consimd/studies/comparison_folder.hpp>
-#include <consimd/studies/paper_tables.hpp>
 #include <consimd/studies/shard.hpp>
+#include <consimd/studies/table_options.hpp>
 #include "files/json_text.hpp"
 
 namespace consimd::studies::detail {

@@ -1,5 +1,6 @@
 #include <consimd/studies/method.hpp>
 
+#include <algorithm>
 #include <charconv>
 #include <chrono>
 #include <numeric>
@@ -115,6 +116,12 @@ Outcome run_method(std::string_view name, const Correspondences& correspondences
 
 bool is_method_of_stages(std::string_view name) {
   return name.starts_with(kPlainRansacPrefix) || stages_of(name).has_value();
+}
+
+bool gives_rows_alone(std::string_view name) {
+  const auto stages = stages_of(name);
+  return stages &&
+         std::ranges::none_of(*stages, [](std::string_view stage) { return stage == "3R" || stage == "IRLS"; });
 }
 
 std::optional<OutsideMethod> outside_method(const OutsideSolvers& outside, std::string_view name) {

@@ -1,100 +1,23 @@
 #include <consimd/studies/paper_tables.hpp>
 
 #include <algorithm>
-#include <array>
-#include <cmath>
-#include <map>
 #include <optional>
 #include <set>
-#include <stdexcept>
+#include <utility>
 
 #include <fmt/format.h>
-#include <fmt/ranges.h>
 
 #include <consimd/kernels/elementary_functions.hpp>
-#include <consimd/solvers/registry.hpp>
 
 #include <consimd/studies/method.hpp>
 #include <consimd/studies/run_statistics.hpp>
+#include "compare/solver_tables.hpp"
+#include "compare/table_captions.hpp"
+#include "compare/table_methods.hpp"
 
 namespace consimd::studies {
+using namespace detail;
 namespace {
-
-constexpr TableInfo kTables[] = {
-    {"data", "what the data are: distances, correspondences, inliers"},
-    {"solvers", "recall, errors and time of each solver"},
-    {"pipeline", "the whole way from scans to a verified pose, of --scans"},
-    {"boost", "each solver alone and after TCF's filter"},
-    {"stages", "outlier removal by the stages of TCF"},
-    {"poses", "3R against IRLS against both, after 1R+2R"},
-    {"iterations", "recall of plain RANSAC over its iterations at 2 % inliers, with a figure"},
-    {"scales", "unknown scale of the source, of the solvers that find it"},
-};
-
-constexpr std::array kStages{"1R", "2R", "3R", "1R+2R", "1R+3R", "2R+3R", "1R+2R+3R"};
-constexpr std::array kPoses{"1R+2R+3R", "1R+2R+IRLS", "1R+2R+3R+IRLS"};
-constexpr std::string_view kInputStage = "1R";       // the cheapest method that tells what the data are
-constexpr std::string_view kFilterStages = "1R+2R";  // what TCF's filter keeps
-
-constexpr std::string_view kIterationGroup = "2 % inliers";
-constexpr std::string_view kIterationRival = "tcf";  // whose recall stands beside plain RANSAC's
-constexpr double kIterationOutliers = 0.98;
-constexpr double kIterationSigma = 1.0;
-
-constexpr double kScaleOutliers = 0.9;
-constexpr std::array kScaleSigmas{0.1, 1.0, 2.5, 5.0};
-
-bool wanted(const TableOptions& options, std::string_view table) {
-  return std::ranges::find(options.tables, table) != options.tables.end();
-}
-
-std::string scale_group_name(double scale) { return fmt::format("scale {}", scale); }
-
-/// Outside solvers are asked for rigid motions alone.
-bool finds_scale(const TableOptions& options, std::string_view solver) {
-  return find_outside(options.outside, solver) == nullptr && SolverChoice(solver).solver().estimates_scale();
-}
-
-/// Says what the data are, group by group, those of one kind together.
-std::string data_caption(const std::vector<const CaseGroup*>& groups) {
-  std::vector<std::string> parts;
-  parts.reserve(groups.size());
-  for (const CaseGroup* group : groups) {
-    parts.push_back(fmt::format("**{}** ({} case{}): {}", group->name, group->cases.size(),
-                                group->cases.size() == 1 ? "" : "s", group->provenance));
-  }
-  return fmt::format("Data: {}.", fmt::join(parts, "; "));
-}
-
-std::string success_caption(const TableOptions& options, const std::vector<const CaseGroup*>& groups) {
-  std::map<std::string, std::vector<std::string_view>> names;  // of groups, by their limits
-  for (const CaseGroup* group : groups) {
-    std::set<std::string> limits;
-    for (const Case& tried : group->cases) {
-      limits.insert(tried.displacement ? fmt::format("RMSE of the overlap's points at most {:g} m",
-                                                     tried.displacement->root_mean_square)
-                    : tried.limits     ? to_string(*tried.limits)
-                                       : "RMSE of the true inliers below the noise bound");
-    }
-    names[fmt::format("{}", fmt::join(limits, " or "))].push_back(group->name);
-  }
-  std::vector<std::string> parts;
-  parts.reserve(names.size());
-  for (const auto& [limits, limited] : names) parts.push_back(fmt::format("{}: {}", fmt::join(limited, ", "), limits));
-  return fmt::format("Success (thresholds `{}`): {}.", options.preset, fmt::join(parts, "; "));
-}
-
-std::string runs_caption(const Comparison& comparison) {
-  std::string text =
-      fmt::format("{} run{} per case, one at a time.", comparison.runs(), comparison.runs() == 1 ? "" : "s");
-  if (!comparison.complete()) {
-    text += fmt::format(" Unfinished: {} of {} runs.", comparison.filled(), comparison.size());
-  }
-  FailureCounts failures;
-  for (const RunRecord& run : comparison.done()) failures.add(run.method, run.status);
-  if (failures.any()) text += fmt::format(" Programs failed, which counts as no pose: {}.", failures.text());
-  return text;
-}
 
 constexpr std::string_view kErrorsCaption =
     "Errors: mean over the successes, as in the paper, and in brackets the median over all runs, failures included.";
@@ -102,7 +25,8 @@ constexpr std::string_view kTimeCaption = "Time: median of the whole registratio
 
 class TableMaker {
  public:
-  TableMaker(const TableOptions& options, const Comparison& comparison) : options_(options), comparison_(comparison) {
+  TableMaker(const TableOptions& options, const Comparison& comparison, const MethodComparison& methods)
+      : options_(options), comparison_(comparison), methods_(methods) {
     std::set<std::string> scales;
     for (const double scale : options.scales) scales.insert(scale_group_name(scale));
     for (const CaseGroup& group : comparison.groups()) {
@@ -114,7 +38,10 @@ class TableMaker {
     }
   }
 
-  [[nodiscard]] TextTable make(std::string_view name) const {
+  /// None of what would have no rows.
+  [[nodiscard]] std::optional<TextTable> make(std::string_view name) const {
+    if (name == "pairs") return filled(pairs_table(methods_, captions_of_all()));
+    if (name == "quantiles") return filled(quantiles_table(methods_, captions_of_all()));
     if (name == "data") return data();
     if (name == "solvers") return solvers();
     if (name == "pipeline") return pipeline();
@@ -126,6 +53,16 @@ class TableMaker {
   }
 
  private:
+  static std::optional<TextTable> filled(TextTable table) {
+    return table.rows.empty() ? std::nullopt : std::optional(std::move(table));
+  }
+
+  [[nodiscard]] std::vector<std::string> captions_of_all() const {
+    std::vector<const CaseGroup*> all;
+    for (const CaseGroup& group : comparison_.groups()) all.push_back(&group);
+    return {data_caption(all), success_caption(options_, all), runs_caption(comparison_)};
+  }
+
   /// Statistics of a method on a group; none if nothing is done yet.
   [[nodiscard]] RunStatistics statistics_of(const CaseGroup& group, std::string_view method) const {
     return run_statistics(comparison_.runs_of(group.name, method));
@@ -314,134 +251,21 @@ class TableMaker {
 
   const TableOptions& options_;
   const Comparison& comparison_;
+  const MethodComparison& methods_;
   std::vector<const CaseGroup*> groups_;
   std::vector<const CaseGroup*> scale_groups_;
 };
 
-template <typename T>
-void require_distinct(const std::vector<T>& values, std::string_view what) {
-  if (values.empty()) throw std::invalid_argument(fmt::format("{}: at least one is needed", what));
-  for (auto value = values.begin(); value != values.end(); ++value) {
-    if (std::find(values.begin(), value, *value) != value) {
-      throw std::invalid_argument(fmt::format("{}: {} is given twice", what, *value));
-    }
-  }
-}
-
 }  // namespace
 
-std::span<const TableInfo> paper_tables() noexcept { return kTables; }
-
-void validate(const TableOptions& options) {
-  require_distinct(options.tables, "table");
-  for (const std::string& name : options.tables) {
-    if (std::ranges::find(kTables, name, &TableInfo::name) != std::end(kTables)) continue;
-    std::vector<std::string_view> known;
-    for (const TableInfo& table : kTables) known.push_back(table.name);
-    throw std::invalid_argument(fmt::format("unknown table '{}'; known: {}", name, fmt::join(known, ", ")));
+ComparisonResults comparison_results(const TableOptions& options, const Comparison& comparison) {
+  ComparisonResults results{.tables = {}, .methods = compare_methods(comparison)};
+  const TableMaker maker(options, comparison, results.methods);
+  for (const TableInfo& info : paper_tables()) {
+    if (!wanted(options, info.name)) continue;
+    if (std::optional<TextTable> table = maker.make(info.name)) results.tables.push_back(*std::move(table));
   }
-  require_distinct(options.solvers, "solver");
-  require_outside_solvers(options.outside, options.solvers);
-  for (const std::string& solver : options.solvers) static_cast<void>(solver_label(options.outside, solver));
-  require_known_preset(options.preset);
-  require_distinct(options.iterations, "iterations");
-  require_distinct(options.scales, "scales");
-  for (const double scale : options.scales) {
-    if (!(std::isfinite(scale) && scale > 0.0)) {
-      throw std::invalid_argument(fmt::format("scales: expected a finite number > 0, got {}", scale));
-    }
-  }
-  if (wanted(options, "pipeline") && scan_methods(options).empty()) {
-    throw std::invalid_argument("table pipeline: it runs consimd's own solvers, of which none is given");
-  }
-  if (wanted(options, "scales") && scale_methods(options).empty()) {
-    std::vector<std::string_view> able;
-    for (const Solver& solver : solvers()) {
-      if (solver.estimates_scale()) able.emplace_back(solver.name);
-    }
-    throw std::invalid_argument(fmt::format("table scales: solver '{}' needs a known scale, expected one of: {}",
-                                            fmt::join(options.solvers, ", "), fmt::join(able, ", ")));
-  }
-}
-
-std::vector<std::string> methods_of(const TableOptions& options) {
-  std::vector<std::string> methods;
-  const auto add = [&](std::string_view method) {
-    if (std::ranges::find(methods, method) == methods.end()) methods.emplace_back(method);
-  };
-  if (wanted(options, "data")) add(kInputStage);
-  for (const std::string& solver : options.solvers) {
-    if (wanted(options, "boost") || (wanted(options, "solvers") && !options.filtered)) add(solver);
-    if (wanted(options, "boost") || (wanted(options, "solvers") && options.filtered)) add(after_filter(solver));
-  }
-  if (wanted(options, "boost")) add(kFilterStages);
-  if (wanted(options, "stages")) std::ranges::for_each(kStages, add);
-  if (wanted(options, "poses")) std::ranges::for_each(kPoses, add);
-  return methods;
-}
-
-std::vector<std::string> scan_methods(const TableOptions& options) {
-  std::vector<std::string> methods;
-  if (!wanted(options, "pipeline")) return methods;
-  for (const std::string& solver : options.solvers) {
-    if (find_outside(options.outside, solver) == nullptr) methods.push_back(from_scans(solver));
-  }
-  return methods;
-}
-
-std::vector<std::string> iteration_methods(const TableOptions& options) {
-  std::vector<std::string> methods;
-  if (!wanted(options, "iterations")) return methods;
-  for (const std::uint32_t n : options.iterations) methods.push_back(plain_ransac(n));
-  methods.emplace_back(kIterationRival);
-  return methods;
-}
-
-std::vector<std::string> scale_methods(const TableOptions& options) {
-  std::vector<std::string> methods;
-  if (!wanted(options, "scales")) return methods;
-  for (const std::string& solver : options.solvers) {
-    if (finds_scale(options, solver)) methods.push_back(with_scale(solver));
-  }
-  return methods;
-}
-
-CaseGroup iteration_group(const TableOptions& options, std::uint32_t problems, std::uint64_t seed) {
-  CaseGroup group =
-      noise_groups(
-          {.outlier_ratios = {kIterationOutliers}, .sigmas = {kIterationSigma}, .trials = problems, .seed = seed})
-          .front();
-  group.name = kIterationGroup;
-  group.provenance += fmt::format(", sigma {:g} m", kIterationSigma);
-  group.methods = iteration_methods(options);
-  return group;
-}
-
-std::vector<CaseGroup> scale_groups(const TableOptions& options, std::uint32_t trials, std::uint64_t seed) {
-  std::vector<CaseGroup> groups;
-  if (!wanted(options, "scales")) return groups;
-  for (const double scale : options.scales) {
-    CaseGroup group = noise_groups({.outlier_ratios = {kScaleOutliers},
-                                    .sigmas = {kScaleSigmas.begin(), kScaleSigmas.end()},
-                                    .trials = trials,
-                                    .seed = seed,
-                                    .scale = scale})
-                          .front();
-    group.name = scale_group_name(scale);
-    group.provenance += fmt::format(", sigma {} m, source divided by the scale", fmt::join(kScaleSigmas, ", "));
-    group.methods = scale_methods(options);
-    groups.push_back(std::move(group));
-  }
-  return groups;
-}
-
-std::vector<TextTable> make_tables(const TableOptions& options, const Comparison& comparison) {
-  const TableMaker maker(options, comparison);
-  std::vector<TextTable> tables;
-  for (const TableInfo& info : kTables) {
-    if (wanted(options, info.name)) tables.push_back(maker.make(info.name));
-  }
-  return tables;
+  return results;
 }
 
 }  // namespace consimd::studies

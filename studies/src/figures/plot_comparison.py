@@ -1,14 +1,26 @@
-"""Who solves what others do not, and how recall grows with the limit of success: comparison.svg of a study."""
+#!/usr/bin/env python3
+"""Draws who solves what others do not, and how recall grows with the limit of success, of the pairs.csv and curves.csv of
+a noise study or a comparison.
+
+Usage: plot_comparison.py DIR      writes DIR/comparison.svg and DIR/comparison.png
+"""
 
 import csv
+import sys
+from pathlib import Path
 
-from figure_style import PAGE_WIDTH, plt, save
+sys.path.insert(0, str(Path(__file__).resolve().parent))  # where an isolated interpreter does not look by itself
+from figure_style import PAGE_WIDTH, STYLE, plt, save  # noqa: E402
 
 CONDITIONS = ("family", "scale", "points", "bound_factor")
+ALL_GROUPS = "all groups"
+# Okabe and Ito's colours; solvers beyond them get other strokes.
 COLOURS = ["#0072B2", "#E69F00", "#009E73", "#D55E00", "#CC79A7", "#56B4E9", "#000000"]
+STROKES = ["-", (0, (4, 2)), (0, (1, 1.5))]
 ROW = 0.17  # inches of a pair
 CURVES = 1.9  # inches of a row of curves
 MOST_CURVES = 4  # panels in a row
+LEGEND_ROW = 0.16  # inches of a row of the legend
 
 
 def read(path):
@@ -16,9 +28,18 @@ def read(path):
         return list(csv.DictReader(file))
 
 
+def cell_of(row):
+    """What names the problems of a row: its group, or its condition and outlier ratio."""
+    if "group" in row:
+        return (row["group"],)
+    return (*(row[name] for name in CONDITIONS), row["outlier_ratio"])
+
+
 def labels_of(rows):
-    """What tells the cells of rows from each other, by condition and outlier ratio."""
-    cells = list(dict.fromkeys((*(row[name] for name in CONDITIONS), row["outlier_ratio"]) for row in rows))
+    """What tells the cells of rows from each other."""
+    cells = list(dict.fromkeys(map(cell_of, rows)))
+    if len(cells[0]) == 1:
+        return {cell: cell[0] for cell in cells}
     varied = [len(set(values)) > 1 for values in zip(*cells)]
     words = ["{}", "scale {}", "{} points", "bound × {}"]
     labels = {}
@@ -28,8 +49,9 @@ def labels_of(rows):
     return labels
 
 
-def cell_of(row):
-    return (*(row[name] for name in CONDITIONS), row["outlier_ratio"])
+def is_together(row):
+    """Whether it is of all noise levels, or of all groups."""
+    return row["group"] == ALL_GROUPS if "group" in row else row["sigma"] == "nan"
 
 
 def draw_differences(ax, pairs, labels):
@@ -48,15 +70,19 @@ def draw_differences(ax, pairs, labels):
     ax.set_xlabel("difference of recall (%) with its 95 % interval; p: McNemar, Holm", fontsize=7)
 
 
-def draw_curves(axes, curves, labels):
+def style_of(k):
+    return {"color": COLOURS[k % len(COLOURS)], "linestyle": STROKES[k // len(COLOURS) % len(STROKES)]}
+
+
+def draw_curves(axes, curves, labels, solvers):
     for ax, (cell, label) in zip(axes.flat, labels.items()):
         rows = [row for row in curves if cell_of(row) == cell]
-        for colour, solver in zip(COLOURS, dict.fromkeys(row["solver"] for row in rows)):
+        for k, solver in enumerate(solvers):
             mine = [row for row in rows if row["solver"] == solver]
             x = [float(row["threshold"]) for row in mine]
             recall, low, high = ([100 * float(row[name]) for row in mine] for name in ("recall", "recall_low", "recall_high"))
-            ax.fill_between(x, low, high, color=colour, alpha=0.12, linewidth=0)
-            ax.plot(x, recall, color=colour, label=solver)
+            ax.fill_between(x, low, high, color=style_of(k)["color"], alpha=0.12, linewidth=0)
+            ax.plot(x, recall, **style_of(k))
         ax.axvline(1, color="0.5", linewidth=0.8, linestyle=(0, (4, 3)))
         ax.set_title(label, fontsize=7)
         ax.set_ylim(0, 102)
@@ -65,19 +91,35 @@ def draw_curves(axes, curves, labels):
     for ax in axes[:, 0]:
         ax.set_ylabel("recall (%)")
     for ax in axes[-1]:
-        ax.set_xlabel("limit of RMSE / study's", fontsize=7)
-    axes[0, 0].legend(fontsize=6, loc="lower right")
+        ax.set_xlabel("limit / study's")
 
 
 def draw_comparison(folder):
-    pairs = [row for row in read(folder / "pairs.csv") if row["sigma"] == "nan"]
+    pairs = [row for row in read(folder / "pairs.csv") if is_together(row)]
     curves = read(folder / "curves.csv")
     labels = labels_of(curves)
+    if len(labels) == 2:
+        labels.pop((ALL_GROUPS,), None)  # all groups are the one
+    solvers = list(dict.fromkeys(row["solver"] for row in curves))
     columns = min(MOST_CURVES, len(labels))
     rows = -(-len(labels) // columns)
-    heights = [ROW * len(pairs) + 0.5, CURVES * rows]
+    keys = min(5, len(solvers))
+    heights = [ROW * len(pairs) + 0.5, CURVES * rows, LEGEND_ROW * (-(-len(solvers) // keys) + 1)]
     figure = plt.figure(figsize=(PAGE_WIDTH, sum(heights)), layout="constrained")
-    above, below = figure.subfigures(2, 1, height_ratios=heights)
-    draw_differences(above.subplots(), pairs, labels)
-    draw_curves(below.subplots(rows, columns, squeeze=False, sharex=True, sharey=True), curves, labels)
+    above, below, strip = figure.subfigures(3, 1, height_ratios=heights)
+    draw_differences(above.subplots(), pairs, {**labels, (ALL_GROUPS,): ALL_GROUPS})
+    draw_curves(below.subplots(rows, columns, squeeze=False, sharex=True, sharey=True), curves, labels, solvers)
+    handles = [plt.Line2D([], [], label=solver, **style_of(k)) for k, solver in enumerate(solvers)]
+    strip.legend(handles=handles, loc="center", ncol=keys, fontsize=6)
     save(figure, folder, "comparison")
+
+
+def main():
+    if len(sys.argv) != 2:
+        sys.exit(__doc__.strip())
+    with plt.rc_context(STYLE):
+        draw_comparison(Path(sys.argv[1]))
+
+
+if __name__ == "__main__":
+    main()

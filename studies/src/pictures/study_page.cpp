@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstdint>
 #include <map>
+#include <optional>
 #include <stdexcept>
 #include <tuple>
 #include <type_traits>
@@ -117,6 +118,27 @@ Json error_chart(std::string_view title, const std::string& measure) {
           {"reference", "oracle_" + measure},
           {"reference_name", "least squares on the true inliers"},
           {"log", true}};
+}
+
+// ---- Solvers beside each other.
+
+/// Their tables, with recall over the limit of success as a figure. curve_keys: the columns that tell panels apart.
+template <typename Cell>
+void append_solver_comparison(Json& tables, const SolverComparison<Cell>& comparison, Json curve_keys) {
+  if (comparison.pairs.empty()) return;
+  const auto add = [&](std::string_view name, std::string_view title, const auto& rows, const auto& columns) {
+    tables.push_back(table_json(name, title, std::span(rows), columns));
+  };
+  add("pairs", "Pairs of solvers on the same problems", comparison.pairs, kPairColumns<Cell>);
+  add("precision", "Precision and speed of solvers", comparison.solvers, kSolverColumns<Cell>);
+  add("curves", "Recall over the limit of success", comparison.curves, kCurveColumns<Cell>);
+  Json& curves = tables.back();
+  curves["series"] = "solver";
+  curve_keys.push_back("solver");
+  curve_keys.push_back("threshold");
+  curves["keys"] = std::move(curve_keys);
+  curves["charts"] = Json::array({success_chart()});
+  curves["charts"][0]["title"] = "Success over its limit, %";
 }
 
 // ---- The noise study.
@@ -254,22 +276,29 @@ std::string sweep_page(const StudySummary& study, std::string_view summary, std:
   all["keys"] = cell_keys(study.wide());
   all["charts"] = Json::array({success_chart(), error_chart("Mean rotation error, degrees", "rotation_error_deg_mean"),
                                error_chart("Mean translation error, m", "translation_error_mean"), time_chart()});
+  Json tables = Json::array({std::move(overview), std::move(all)});
+  if (const std::optional<TrialComparison> comparison = study.comparison()) {
+    Json keys = Json::array();
+    add_keys(ProblemCell::columns<CurveRow<ProblemCell>>(), "sigma", keys);
+    append_solver_comparison(tables, *comparison, std::move(keys));
+  }
   const Json data{
       {"summary", Json::array({fmt::format("{} in {}, {}.", counted(trials, "trial"), counted(cells.size(), "cell"),
                                            counted(solvers.size(), "solver"))})},
-      {"tables", Json::array({std::move(overview), std::move(all)})}};
+      {"tables", std::move(tables)}};
   return page_of("Noise study", data, summary, command);
 }
 
-std::string comparison_page(const Comparison& comparison, const std::vector<TextTable>& tables,
-                            std::string_view summary, std::string_view command) {
+std::string comparison_page(const Comparison& comparison, const ComparisonResults& results, std::string_view summary,
+                            std::string_view command) {
   const std::vector<MethodSummary> methods = by_method(comparison);
   Json all = table_json("methods", "All methods", std::span(methods), kMethodColumns);
   all["series"] = "method";
   all["keys"] = Json::array({"group", "method"});
   all["charts"] = Json::array({success_chart(), time_chart()});
   Json of_page = Json::array({std::move(all)});
-  for (const TextTable& table : tables) of_page.push_back(table_json(table));
+  append_solver_comparison(of_page, results.methods, Json::array({"group"}));
+  for (const TextTable& table : results.tables) of_page.push_back(table_json(table));
   const Json data{{"summary", Json::array({fmt::format("{} of {} in {} of cases.", grouped(comparison.filled()),
                                                        counted(comparison.size(), "run"),
                                                        counted(comparison.groups().size(), "group"))})},

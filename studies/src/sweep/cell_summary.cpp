@@ -100,7 +100,7 @@ std::string to_csv_row(const CellSummary& cell, bool wide) {
   return wide ? csv_row(kWideCellColumns, cell) : csv_row(kCellColumns, cell);
 }
 
-std::optional<SolverComparison> StudySummary::comparison() const {
+std::optional<TrialComparison> StudySummary::comparison() const {
   if (!compares_) return std::nullopt;
   return compare_solvers(compared_, seed_);
 }

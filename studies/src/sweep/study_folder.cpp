@@ -12,6 +12,7 @@
 
 #include <consimd/studies/replace_file.hpp>
 #include "files/csv_file.hpp"
+#include "statistics/comparison_files.hpp"
 #include "sweep/trial_sorting.hpp"
 
 namespace consimd::studies {
@@ -23,10 +24,10 @@ constexpr std::string_view kRemedy = "give the same options, another --out, or -
 
 void remove_study(const fs::path& folder) {
   for (const std::string_view name : {kTrialsFile, kCellsFile, kLimitsFile, kSummaryFile, "recall.svg"sv,
-                                      "recall.png"sv, "errors.svg"sv, "errors.png"sv, "map.svg"sv, "map.png"sv,
-                                      kPairsFile, kSolversFile, kCurvesFile, "comparison.svg"sv, "comparison.png"sv}) {
+                                      "recall.png"sv, "errors.svg"sv, "errors.png"sv, "map.svg"sv, "map.png"sv}) {
     fs::remove(folder / name);
   }
+  for (const std::string_view name : detail::kSolverComparisonFiles) fs::remove(folder / name);
 }
 
 bool holds_study(const fs::path& folder) {
@@ -69,10 +70,8 @@ StudySummary write_tables(const fs::path& folder, const TrialTable& table, const
   std::string cells = cell_header(table.wide()) + "\n";
   for (const CellSummary& cell : summary.cells()) cells += to_csv_row(cell, table.wide());
   replace_file(folder / kCellsFile, cells);
-  if (const std::optional<SolverComparison> comparison = summary.comparison()) {
-    replace_file(folder / kPairsFile, pairs_csv(*comparison));
-    replace_file(folder / kSolversFile, solvers_csv(*comparison));
-    replace_file(folder / kCurvesFile, curves_csv(*comparison));
+  if (const std::optional<TrialComparison> comparison = summary.comparison()) {
+    detail::write_solver_comparison(folder, *comparison);
   }
   return summary;
 }

@@ -9,9 +9,9 @@
 #include <vector>
 
 #include <consimd/kernels/export.hpp>
-#include <consimd/studies/solver_comparison.hpp>
 #include <consimd/studies/statistics.hpp>
 #include <consimd/studies/table_columns.hpp>
+#include <consimd/studies/trial_comparison.hpp>
 #include <consimd/studies/trial_table.hpp>
 
 namespace consimd {
@@ -144,7 +144,7 @@ class StudySummary {
   [[nodiscard]] std::vector<RatioSummary> ratios() const;
   [[nodiscard]] const FailureCounts& failures() const noexcept { return failures_; }
   /// Solvers beside each other, of all records; none of a study with one solver or too many trials.
-  [[nodiscard]] std::optional<SolverComparison> comparison() const;
+  [[nodiscard]] std::optional<TrialComparison> comparison() const;
   /// Whether it is one of a study beyond the paper's.
   [[nodiscard]] bool wide() const noexcept { return wide_; }
 

@@ -11,14 +11,14 @@
 #include <consimd/kernels/export.hpp>
 #include <consimd/studies/comparison.hpp>
 #include <consimd/studies/comparison_folder.hpp>
-#include <consimd/studies/paper_tables.hpp>
 #include <consimd/studies/scan_cases.hpp>
 #include <consimd/studies/shard.hpp>
+#include <consimd/studies/table_options.hpp>
 
 namespace consimd {
 namespace CONSIMD_EXPORT studies {
 
-/// Defaults: all solvers on the stand-ins, the table "solvers".
+/// Defaults: all solvers on the stand-ins, the tables "solvers", "pairs" and "quantiles".
 struct CompareOptions {
   std::string cases = {};                 ///< folder of cases, see `case_folder_groups`; empty: none
   std::optional<ScanOptions> scans = {};  ///< real scans; the layout's seed is that of the data below

@@ -19,6 +19,9 @@
 namespace consimd {
 namespace CONSIMD_EXPORT studies {
 
+/// What tables call all groups together; no group may have this name.
+inline constexpr std::string_view kAllGroups = "all groups";
+
 /// All runs of a comparison, or of a shard of it, done or not. The order is that of groups, cases, methods and seeds,
 /// whoever fills it in, and when.
 class Comparison {

@@ -11,7 +11,7 @@
 #include <consimd/kernels/export.hpp>
 #include <consimd/studies/comparison.hpp>
 #include <consimd/studies/folder_lock.hpp>
-#include <consimd/studies/text_table.hpp>
+#include <consimd/studies/paper_tables.hpp>
 
 namespace consimd {
 namespace CONSIMD_EXPORT studies {
@@ -33,9 +33,9 @@ struct ComparisonFacts {
 [[nodiscard]] std::string comparison_json(const Comparison& comparison, const ComparisonFacts& facts);
 
 /// The output folder of a comparison: comparison.json (what was run, on what data, by what, on what), runs.csv (a row a
-/// run), tables.md and a CSV file a table. That of a shard has no tables: its groups lack cases. runs.csv grows by a
-/// whole line a run; a line that a crash cut short is dropped on resuming. Functions throw std::runtime_error that
-/// names the file.
+/// run), tables.md and a CSV file a table, and of several methods pairs.csv, solvers.csv and curves.csv. That of a
+/// shard has no tables: its groups lack cases. runs.csv grows by a whole line a run; a line that a crash cut short is
+/// dropped on resuming. Functions throw std::runtime_error that names the file.
 class ComparisonFolder {
  public:
   /// Opens or makes the folder, puts the runs of an earlier call into `comparison`, and gets ready to append. A folder
@@ -46,7 +46,7 @@ class ComparisonFolder {
   void append(const RunRecord& record);
 
   /// Writes the tables, the sorted runs and the summary of a comparison, finished or not. Of a shard no tables.
-  void write(const Comparison& comparison, const std::vector<TextTable>& tables, const ComparisonFacts& facts);
+  void write(const Comparison& comparison, const ComparisonResults& results, const ComparisonFacts& facts);
 
  private:
   void resume(Comparison& comparison, const ComparisonFacts& facts);

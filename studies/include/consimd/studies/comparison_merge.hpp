@@ -8,7 +8,6 @@
 #include <consimd/kernels/export.hpp>
 #include <consimd/studies/comparison.hpp>
 #include <consimd/studies/paper_tables.hpp>
-#include <consimd/studies/text_table.hpp>
 
 namespace consimd {
 namespace CONSIMD_EXPORT studies {
@@ -31,7 +30,7 @@ struct MergedComparison {
 /// Writes it as if it had been run in `folder`, over what there is of the same comparison. A folder that holds another
 /// one is an error unless `fresh`: see `ComparisonFolder`.
 void write_comparison(const std::filesystem::path& folder, const MergedComparison& merged,
-                      const std::vector<TextTable>& tables, bool fresh);
+                      const ComparisonResults& results, bool fresh);
 
 }  // namespace studies
 }  // namespace consimd

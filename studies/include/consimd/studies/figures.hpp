@@ -12,6 +12,7 @@ namespace CONSIMD_EXPORT studies {
 /// Scripts.
 inline constexpr std::string_view kSweepScript = "plot_sweep.py";
 inline constexpr std::string_view kIterationsScript = "plot_iterations.py";
+inline constexpr std::string_view kComparisonScript = "plot_comparison.py";
 inline constexpr std::string_view kPictureScript = "plot_picture.py";
 
 /// Draws what `script` makes of the data in `folder`, as SVG and PNG. $CONSIMD_PLOT_SCRIPT is another script; else it

@@ -30,6 +30,9 @@ namespace CONSIMD_EXPORT studies {
 /// Whether it is one of the last two: these names are taken.
 [[nodiscard]] bool is_method_of_stages(std::string_view name);
 
+/// Whether it is of stages none of which gives a pose.
+[[nodiscard]] bool gives_rows_alone(std::string_view name);
+
 /// A method that runs an outside solver: its name, after TCF's filter or not.
 struct OutsideMethod {
   const OutsideSolver* solver;

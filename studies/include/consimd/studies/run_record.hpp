@@ -28,6 +28,9 @@ struct RunRecord {
   std::uint64_t kept_inliers = 0;
   double seconds = 0.0;
   double scale_error = 0.0;
+  double limit_ratio = 0.0;
+  double oracle_rotation_error_deg = 0.0;
+  double oracle_translation_error = 0.0;
 
   bool operator==(const RunRecord&) const = default;
 
@@ -56,6 +59,13 @@ inline constexpr std::tuple kRunColumns{
     Column{"seconds", &RunRecord::seconds, "time of the method alone"},
     Column{"scale_error", &RunRecord::scale_error,
            "relative error of the scale; 0 where the scale was given, NaN without a pose"},
+    Column{"limit_ratio", &RunRecord::limit_ratio,
+           "error of the pose over the limit of success, the larger quotient where there are two limits; NaN without a "
+           "pose or a true inlier"},
+    Column{"oracle_rotation_error_deg", &RunRecord::oracle_rotation_error_deg,
+           "rotation error of least squares on the true inliers, degrees; NaN with fewer than three"},
+    Column{"oracle_translation_error", &RunRecord::oracle_translation_error,
+           "its translation error, unit of the case; NaN likewise"},
 };
 
 /// A line with its newline. Numbers read back to the same bits.

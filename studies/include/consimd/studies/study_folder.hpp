@@ -23,10 +23,6 @@ inline constexpr std::string_view kTrialsFile = "trials.csv";
 inline constexpr std::string_view kCellsFile = "cells.csv";
 inline constexpr std::string_view kLimitsFile = "limits.csv";
 inline constexpr std::string_view kSummaryFile = "summary.json";
-// Of several solvers beside each other, see solver_comparison.hpp.
-inline constexpr std::string_view kPairsFile = "pairs.csv";
-inline constexpr std::string_view kSolversFile = "solvers.csv";
-inline constexpr std::string_view kCurvesFile = "curves.csv";
 
 /// The output folder of a study: trials.csv, cells.csv, summary.json, limits.csv if asked for, and pairs.csv,
 /// solvers.csv and curves.csv of one that compares solvers. That of a shard has no cells.csv and none of the latter:
