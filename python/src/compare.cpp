@@ -167,7 +167,7 @@ nb::tuple run(const std::optional<std::filesystem::path>& cases, std::vector<std
   }
   nb::list list;
   for (const studies::TextTable& table : results.tables) list.append(to_tuple(table));
-  return nb::make_tuple(to_columns(comparison.done(), studies::kRunColumns), list, to_tuple(results.methods));
+  return nb::make_tuple(to_columns(comparison.done(), studies::kRunColumns), list, to_tables(results.methods));
 }
 
 }  // namespace

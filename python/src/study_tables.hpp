@@ -49,7 +49,7 @@ template <typename Rows, typename Columns>
 
 /// The tables of solvers beside each other, in the order of their files: pairs, solvers, curves.
 template <typename Cell>
-[[nodiscard]] nb::tuple to_tuple(const studies::SolverComparison<Cell>& comparison) {
+[[nodiscard]] nb::tuple to_tables(const studies::SolverComparison<Cell>& comparison) {
   return nb::make_tuple(to_columns(comparison.pairs, studies::kPairColumns<Cell>),
                         to_columns(comparison.solvers, studies::kSolverColumns<Cell>),
                         to_columns(comparison.curves, studies::kCurveColumns<Cell>));

@@ -81,7 +81,7 @@ nb::tuple run(std::vector<std::size_t> points, std::optional<std::vector<double>
     const std::string of_study = studies::summary_json(table, {facts.isa, facts.threads, true});
     studies::replace_file(*report, studies::sweep_page(summary, of_study, command));
   }
-  const nb::tuple compared = to_tuple(summary.comparison().value_or(studies::TrialComparison()));
+  const nb::tuple compared = to_tables(summary.comparison().value_or(studies::TrialComparison()));
   if (table.wide()) {
     return nb::make_tuple(to_columns(table.records(), studies::kWideTrialColumns),
                           to_columns(cells, studies::kWideCellColumns), compared);

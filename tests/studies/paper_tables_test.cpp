@@ -236,7 +236,7 @@ TEST(PaperTables, PairsSayWhoIsBetterAndWhere) {
   ASSERT_EQ(tables[0].rows.size(), 1u);
   const std::vector<std::string>& pair = tables[0].rows[0];
   EXPECT_THAT(std::vector(pair.begin(), pair.begin() + 9),
-              ElementsAre("tcf", "ransac", "tcf", "arch", "20", "10", "0", "0.0020", "0.0020"));
+              ElementsAre("tcf", "ransac", "tcf", "arch", "20", "10", "0", "0.002", "0.002"));
   EXPECT_THAT(pair[9], HasSubstr("50 ("));
   EXPECT_EQ(pair[10], "-0.25 (-0.25 .. -0.25)");
   EXPECT_EQ(pair[12], "1 (1 .. 1)");

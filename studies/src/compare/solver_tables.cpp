@@ -60,8 +60,8 @@ TextTable pairs_table(const MethodComparison& methods, std::vector<std::string> 
     const std::string& better = pair.only_a > pair.only_b ? pair.a : pair.b;
     table.rows.push_back({pair.a, pair.b, differ(pair) ? better : "-", groups_that_differ(methods, pair),
                           fmt::format("{}", pair.trials), fmt::format("{}", pair.only_a),
-                          fmt::format("{}", pair.only_b), fmt::format("{:.4f}", pair.p_value),
-                          fmt::format("{:.4f}", pair.p_value_holm), with_interval(pair.recall, 100.0),
+                          fmt::format("{}", pair.only_b), fmt::format("{:.2g}", pair.p_value),
+                          fmt::format("{:.2g}", pair.p_value_holm), with_interval(pair.recall, 100.0),
                           with_interval(pair.rotation_deg, 1.0), with_interval(pair.translation, 1.0),
                           with_interval(pair.time_ratio, 1.0)});
   }

@@ -15,7 +15,7 @@ std::size_t width(std::string_view text) {
 }
 
 bool is_number(std::string_view cell) {
-  return !cell.empty() && cell.find_first_not_of("0123456789.+-() ") == std::string_view::npos;
+  return !cell.empty() && cell.find_first_not_of("0123456789.+-() e") == std::string_view::npos;
 }
 
 }  // namespace
