@@ -10,6 +10,7 @@
 
 #include <consimd/studies/cell_summary.hpp>
 #include <consimd/studies/compare_options.hpp>
+#include <consimd/studies/paper_tables.hpp>
 #include <consimd/studies/sweep.hpp>
 
 namespace studies = consimd::studies;
