@@ -1,4 +1,4 @@
-"""Figures of a noise study."""
+"""Figures that need matplotlib: those of a noise study, and drawings as PNG."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ if TYPE_CHECKING:
     import numpy as np
     from numpy.typing import NDArray
 
-_SCRIPT = Path(__file__).resolve().parent / "figures" / "plot_sweep.py"
+_SCRIPTS = Path(__file__).resolve().parent / "figures"
 
 
 def plot_sweep(cells: NDArray[np.void] | None, folder: str | os.PathLike[str]) -> list[Path]:
@@ -32,10 +32,18 @@ def plot_sweep(cells: NDArray[np.void] | None, folder: str | os.PathLike[str]) -
             writer = csv.writer(file, lineterminator="\n")
             writer.writerow(cells.dtype.names or ())
             writer.writerows(cells.tolist())
+    run_script("plot_sweep.py", folder, f"figures of {folder}")
+    return [folder / f"{name}.{end}" for name in ("recall", "errors") for end in ("svg", "png")]
+
+
+def run_script(script: str, folder: Path, what: str) -> None:
+    """Draws what a script makes of the files in a folder. RuntimeError with what it said if it cannot."""
     done = subprocess.run(
-        [sys.executable, "-B", str(_SCRIPT), str(folder)], stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True
+        [sys.executable, "-B", str(_SCRIPTS / script), str(folder)],
+        stdout=subprocess.DEVNULL,
+        stderr=subprocess.PIPE,
+        text=True,
     )
     if done.returncode != 0:
         said = done.stderr.strip().splitlines() or [f"exit status {done.returncode}"]
-        raise RuntimeError(f"figures of {folder} not drawn: {said[-1]}")
-    return [folder / f"{name}.{end}" for name in ("recall", "errors") for end in ("svg", "png")]
+        raise RuntimeError(f"{what} not drawn: {said[-1]}")

@@ -3,10 +3,13 @@
 from __future__ import annotations
 
 import os
+import tempfile
+from pathlib import Path
 from typing import TYPE_CHECKING
 
 from consimd import _core
 from consimd._core import Correspondences
+from consimd._plots import run_script
 from consimd._register import Registration
 
 if TYPE_CHECKING:
@@ -27,9 +30,9 @@ def view(
 ) -> None:
     """Writes a picture of a registration, with a pose or without: points before and after it, inliers and outliers.
 
-    file: to write. Named *.svg it becomes a drawing, else one self-contained HTML page to look around in with a
-        browser, as `consimd register --view` and `--picture` write them. It appears whole or not at all; OSError or
-        RuntimeError where it cannot be written.
+    file: to write. Named *.svg or *.png it becomes a drawing, else one self-contained HTML page to look around in with a
+        browser, as `consimd register --view` and `--picture` write them. PNG needs matplotlib; RuntimeError with what it
+        said if it cannot draw. The file appears whole or not at all; OSError or RuntimeError where it cannot be written.
     registration: what `register` or `register_clouds` returned.
     source, target: the (N, 3) correspondences that were registered; with `matches`, which `register_clouds` returned,
         the (N, 3) and (M, 3) clouds.
@@ -43,4 +46,15 @@ def view(
         rows = Correspondences(matches.source_points, matches.target_points)
         clouds = (source, target)
     path = os.fspath(file)
-    _core.write_picture(path, path.endswith(".svg"), registration, rows, clouds, missing, *names)
+
+    def write(to: str, drawing: bool) -> None:
+        _core.write_picture(to, drawing, registration, rows, clouds, missing, *names)
+
+    if not path.endswith(".png"):
+        write(path, path.endswith(".svg"))
+        return
+    # Beside the file, so that it can take its name at once.
+    with tempfile.TemporaryDirectory(prefix=".consimd-", dir=os.path.dirname(path) or ".") as folder:
+        write(os.path.join(folder, "picture.svg"), True)
+        run_script("plot_picture.py", Path(folder), path)
+        os.replace(os.path.join(folder, "picture.png"), path)

@@ -1,5 +1,7 @@
 """consimd.view: the pages and drawings of the command."""
 
+import sys
+
 import numpy as np
 import pytest
 
@@ -36,6 +38,30 @@ def test_without_a_pose(problem, tmp_path):
     assert not nothing.has_pose
     consimd.view(tmp_path / "view.svg", nothing, problem.source, problem.target[::-1])
     assert f"{nothing.status}: no pose" in (tmp_path / "view.svg").read_text()
+
+
+def test_png_is_that_of_the_command(problem, command, tmp_path, monkeypatch):
+    pytest.importorskip("matplotlib")
+    monkeypatch.setenv("CONSIMD_PYTHON", sys.executable)
+    np.savetxt(tmp_path / "pair.txt", np.c_[problem.source, problem.target], fmt="%.17g")
+    command("register", tmp_path / "pair.txt", "--noise-bound", "0.6", "--picture", tmp_path / "view.png")
+    result = consimd.register(problem.source, problem.target, 0.6)
+    (tmp_path / "own").mkdir()
+    consimd.view(tmp_path / "own/view.png", result, problem.source, problem.target, names=(f"{tmp_path}/pair.txt", ""))
+    assert (tmp_path / "own/view.png").read_bytes() == (tmp_path / "view.png").read_bytes()
+    assert [path.name for path in (tmp_path / "own").iterdir()] == ["view.png"]
+
+
+def test_png_without_matplotlib_leaves_nothing(problem, tmp_path, monkeypatch):
+    (tmp_path / "matplotlib.py").write_text("raise ImportError('not this one')")
+    monkeypatch.setenv("PYTHONPATH", str(tmp_path))
+    result = consimd.register(problem.source, problem.target, 0.6)
+    (tmp_path / "own").mkdir()
+    with pytest.raises(RuntimeError, match=r"view\.png not drawn: ImportError: not this one"):
+        consimd.view(tmp_path / "own/view.png", result, problem.source, problem.target)
+    assert not list((tmp_path / "own").iterdir())
+    with pytest.raises(OSError, match="nowhere"):
+        consimd.view(tmp_path / "nowhere/view.png", result, problem.source, problem.target)
 
 
 def test_errors_name_what_is_wrong(problem, tmp_path):
