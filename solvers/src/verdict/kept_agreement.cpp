@@ -50,12 +50,14 @@ Point moved_back(const WorkingPose& pose, const Point& q) {
   return {r[0] * x + r[3] * y + r[6] * z, r[1] * x + r[4] * y + r[7] * z, r[2] * x + r[5] * y + r[8] * z};
 }
 
-// What is kept by the rows that the pose misses and by mismatched pairs of a source and a target.
+// What is kept by the rows that the pose misses, and by mismatched pairs of a source and a target.
 class Agreement {
  public:
-  Agreement(const Correspondences& correspondences, const WorkingPose& pose, double noise_bound, double reach,
-            const MatchedPoints& matched)
-      : view_(correspondences.view()), pose_(pose), limit_(static_cast<float>(reach * view_.scale())) {
+  Agreement(const Correspondences& correspondences, const WorkingPose& pose, double noise_bound, double reach)
+      : view_(correspondences.view()),
+        pose_(pose),
+        limit_(static_cast<float>(reach * view_.scale())),
+        near_(kNearMisses * noise_bound * view_.scale()) {
     const SourceCoordinates coordinates_of(correspondences, 1);
     for (std::size_t row = 0; row < view_.size(); ++row) {
       const auto source = coordinates_of(source_point(view_, row));
@@ -65,19 +67,22 @@ class Agreement {
         targets_[c].push_back(target[c]);
       }
     }
-    const double near = kNearMisses * noise_bound * view_.scale();
-    for (std::size_t row = 0; row < view_.size(); ++row) {
-      if (residual(row, row) >= near) ++missed[kept_by(row, row)];
-    }
-    count_pairs(near, matched);
   }
 
-  SetCounts missed{};   // rows
-  SetCounts paired{};   // mismatched pairs
-  PairingHits reached;  // of these
+  [[nodiscard]] SetCounts missed_rows() const {
+    SetCounts counts{};
+    for (std::size_t row = 0; row < view_.size(); ++row) {
+      if (residual(row, row) >= near_) ++counts[kept_by(row, row)];
+    }
+    return counts;
+  }
 
- private:
-  void count_pairs(double near, const MatchedPoints& matched) {
+  struct Pairs {
+    SetCounts kept{};
+    PairingHits reached;
+  };
+  [[nodiscard]] Pairs pairs(const MatchedPoints& matched) const {
+    Pairs result;
     const std::size_t size = view_.size();
     const std::size_t shifts = std::clamp<std::size_t>(kPairs / size, 1, size - 1);
     for (std::size_t s = 0; s < shifts; ++s) {
@@ -85,21 +90,23 @@ class Agreement {
       for (std::size_t row = 0; row < size; ++row) {
         const std::size_t other = row + shift < size ? row + shift : row + shift - size;
         const std::size_t set = kept_by(row, other);
-        ++paired[set];
-        if (set + 1 == kSets) count_if_reached(row, other, near, matched);
+        ++result.kept[set];
+        if (set + 1 == kSets) add_if_reached(row, other, matched, result.reached);
       }
     }
-    reached.trials = static_cast<double>(shifts * size);
+    result.reached.trials = static_cast<double>(shifts * size);
+    return result;
   }
 
-  void count_if_reached(std::size_t row, std::size_t other, double near, const MatchedPoints& matched) {
+ private:
+  void add_if_reached(std::size_t row, std::size_t other, const MatchedPoints& matched, PairingHits& hits) const {
     const double residual = this->residual(row, other);
     if (residual >= static_cast<double>(limit_) ||
-        distance(source_point(view_, row), source_point(view_, other)) < near || matched.contains(view_, row, other)) {
+        distance(source_point(view_, row), source_point(view_, other)) < near_ || matched.contains(view_, row, other)) {
       return;
     }
     for (std::size_t b = 0; b < kTestedBounds.size(); ++b) {
-      reached.hits[b] += residual < kTestedBounds[b] * static_cast<double>(limit_) ? 1.0 : 0.0;
+      hits.hits[b] += residual < kTestedBounds[b] * static_cast<double>(limit_) ? 1.0 : 0.0;
     }
   }
 
@@ -117,7 +124,8 @@ class Agreement {
 
   CorrespondenceView view_;
   const WorkingPose& pose_;
-  float limit_;
+  float limit_;  // working frame
+  double near_;
   Columns sources_;
   Columns targets_;
 };
@@ -126,18 +134,26 @@ class Agreement {
 
 std::vector<Chances> kept_chances(const Correspondences& correspondences, const WorkingPose& pose, double noise_bound,
                                   double reach, const Chances& at_random, const MatchedPoints& matched) {
-  const Agreement agreement(correspondences, pose, noise_bound, reach, matched);
-  const double missed = count_with(agreement.missed, 0);
-  std::vector<Chances> result;
+  const Agreement agreement(correspondences, pose, noise_bound, reach);
+  const SetCounts missed = agreement.missed_rows();
+  const double all = count_with(missed, 0);
+  std::vector<std::size_t> kept_by_most;
   for (const Kept& kept : kKept) {
     const std::size_t bits = bits_of(kept);
-    const double rows = count_with(agreement.missed, bits);
-    const double pairs = count_with(agreement.paired, bits);
-    const double by_chance = chance(pairs, agreement.reached.trials);
-    if (rows < kMost * missed || log_binomial_tail(missed, rows, by_chance) > elementary::log(kNothingKept)) continue;
+    if (all > 0.0 && count_with(missed, bits) >= kMost * all) kept_by_most.push_back(bits);
+  }
+  std::vector<Chances> result;
+  if (kept_by_most.empty()) return result;
+  const Agreement::Pairs pairs = agreement.pairs(matched);
+  for (const std::size_t bits : kept_by_most) {
+    const double rows = count_with(missed, bits);
+    const double of_pairs = count_with(pairs.kept, bits);
+    const double by_chance = chance(of_pairs, pairs.reached.trials);
+    if (log_binomial_tail(all, rows, by_chance) > elementary::log(kNothingKept)) continue;
     Chances chances = at_random;
     for (std::size_t b = 0; b < kTestedBounds.size(); ++b) {
-      chances.support[b] = std::max(at_random.support[b], rows / missed * chance(agreement.reached.hits[b], pairs));
+      const double given_kept = chance(pairs.reached.hits[b], of_pairs);
+      chances.support[b] = std::max(at_random.support[b], rows / all * given_kept);
     }
     result.push_back(chances);
   }
