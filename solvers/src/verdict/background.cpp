@@ -127,10 +127,8 @@ double Background::measured(const WorkingPose& pose, double enough) const {
     most = std::max(most, detail::log_false_poses(size, found, chances));
   };
   if (most >= enough) return most;
-  if (view.size() <= kFewRows) {
-    for (const Chances& chances : kept_chances(*correspondences_, pose, noise_bound_, reach, at_random, matched)) {
-      most = std::max(most, detail::log_false_poses(size, found, chances));
-    }
+  for (const Chances& chances : kept_chances(*correspondences_, pose, noise_bound_, reach, at_random, matched)) {
+    most = std::max(most, detail::log_false_poses(size, found, chances));
   }
   if (most >= enough) return most;
   look(lookalikes().lookalikes.support(pose, reach, matched), lookalikes().lengths);

@@ -18,10 +18,13 @@ namespace {
 
 // Mismatched pairs that are looked at.
 constexpr std::size_t kPairs = 1U << 17U;
+// Up to here those of them that keep a coordinate follow Laplace's rule.
+constexpr std::size_t kFewRows = 512;
 // Rows that keep a coordinate by chance alone once in so many times show nothing: one in a hundred for all kinds.
 constexpr double kNothingKept = 1e-3;
-// What fewer keep may be another motion's rows: an object that is its own image when turned keeps heights and ranges.
-constexpr double kMost = 0.5;
+// The share of the rows. What fewer keep may be another motion's: an object that is its own image when turned keeps
+// heights and ranges; or patches that keep one together, and say too much of all else.
+constexpr double kNearlyAll = 0.9;
 
 // Coordinates of a point, by its row, coordinate by coordinate.
 using Columns = std::array<std::vector<float>, kCoordinates>;
@@ -137,22 +140,23 @@ std::vector<Chances> kept_chances(const Correspondences& correspondences, const 
   const Agreement agreement(correspondences, pose, noise_bound, reach);
   const SetCounts missed = agreement.missed_rows();
   const double all = count_with(missed, 0);
-  std::vector<std::size_t> kept_by_most;
+  std::vector<std::size_t> kept_by_nearly_all;
   for (const Kept& kept : kKept) {
     const std::size_t bits = bits_of(kept);
-    if (all > 0.0 && count_with(missed, bits) >= kMost * all) kept_by_most.push_back(bits);
+    if (all > 0.0 && count_with(missed, bits) >= kNearlyAll * all) kept_by_nearly_all.push_back(bits);
   }
   std::vector<Chances> result;
-  if (kept_by_most.empty()) return result;
+  if (kept_by_nearly_all.empty()) return result;
   const Agreement::Pairs pairs = agreement.pairs(matched);
-  for (const std::size_t bits : kept_by_most) {
+  for (const std::size_t bits : kept_by_nearly_all) {
     const double rows = count_with(missed, bits);
     const double of_pairs = count_with(pairs.kept, bits);
     const double by_chance = chance(of_pairs, pairs.reached.trials);
     if (log_binomial_tail(all, rows, by_chance) > elementary::log(kNothingKept)) continue;
     Chances chances = at_random;
     for (std::size_t b = 0; b < kTestedBounds.size(); ++b) {
-      const double given_kept = chance(pairs.reached.hits[b], of_pairs);
+      const double given_kept = correspondences.size() <= kFewRows ? chance(pairs.reached.hits[b], of_pairs)
+                                                                   : std::min(1.0, at_random.support[b] / by_chance);
       chances.support[b] = std::max(at_random.support[b], rows / all * given_kept);
     }
     result.push_back(chances);
