@@ -1,9 +1,11 @@
-// Every solver with any values of its options: an answer that is sound, or an error that names the value.
+// Every solver with any values of its options, some ended before they begin: an answer that is sound, or an error that
+// names the value.
 #include <consimd/solvers/solver.hpp>
 
 #include <oneapi/tbb/task_arena.h>
 
 #include <algorithm>
+#include <atomic>
 #include <cmath>
 #include <string>
 #include <variant>
@@ -77,6 +79,8 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
       SolverOptions options{.seed = input.ConsumeIntegral<std::uint64_t>()};
       options.filter = input.ConsumeBool() ? Filter::tcf : Filter::none;
       options.estimate_scale = input.ConsumeBool();
+      static const std::atomic<bool> requested = true;
+      if (input.ConsumeIntegralInRange<int>(0, 7) == 0) options.stop.requested = &requested;
       const bool given = input.ConsumeIntegralInRange<int>(0, 7) != 0;  // estimating it takes ten times as long
       const Correspondences correspondences = fuzz::make_correspondences(input, 64);
       if (given) options.noise_bound = fuzz::make_bound(input, correspondences);
