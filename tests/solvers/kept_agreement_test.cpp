@@ -57,7 +57,7 @@ TEST(KeptChances, OfRingsAreThoseOfTheRingsAlone) {
 }
 
 TEST(KeptChances, AreNoLessThanThoseOfRandomPairing) {
-  for (const auto scene : {synth::Scene::rings, synth::Scene::corridor, synth::Scene::poles, synth::Scene::volume}) {
+  for (const auto scene : {synth::Scene::rings, synth::Scene::corridor, synth::Scene::volume}) {
     const Problem problem = synth::hard_problem({.correspondences = 200,
                                                  .outlier_ratio = 1.0,
                                                  .sigma = 0.1,
