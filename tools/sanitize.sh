@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
-#: sanitize [PRESET [FOLDER]]
-#:                     run all tests, or those of kernels, poses, synth, solvers or studies alone, with the sanitizers: asan
-#:                     (default, with UBSan) or tsan
+#: sanitize [PRESET [FOLDER [ARG...]]]
+#:                     run all tests, or those of kernels, poses, synth, solvers, features or studies alone, with the sanitizers:
+#:                     asan (default, with UBSan) or tsan, whose oneTBB is compiled for it
 set -euo pipefail
 
 . "$(dirname "${BASH_SOURCE[0]}")/shell/building.sh"
@@ -15,6 +15,6 @@ if [[ -z $folder ]]; then
   run_tests "$preset"
 else
   build "$preset" "consimd_${folder}_tests"
-  TSAN_OPTIONS="suppressions=$root/cmake/tsan.supp" \
-    ctest --test-dir "$root/build/$preset/tests/$folder" --output-on-failure --no-tests=error --parallel "$(nproc)"
+  find_test_data
+  ctest --test-dir "$root/build/$preset/tests/$folder" --output-on-failure --no-tests=error --parallel "$(nproc)" "${@:3}"
 fi

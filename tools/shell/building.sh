@@ -18,7 +18,10 @@ configure() {
   local preset=$1
   need build
   use_ccache
-  if [[ $preset == neon-solvers ]]; then fetch_arm64_tbb || fail "oneTBB of 64-bit ARM cannot be fetched here"; fi
+  case $preset in
+    neon-solvers) fetch_arm64_tbb || fail "oneTBB of 64-bit ARM cannot be fetched here" ;;
+    tsan) build_tsan_tbb || fail "oneTBB cannot be compiled for the thread sanitizer here" ;;
+  esac
   (cd "$root" && cmake --preset "$preset" -DCONSIMD_WERROR="${CONSIMD_WERROR:-OFF}" >/dev/null) ||
     fail "cannot configure preset '$preset'"
 }
