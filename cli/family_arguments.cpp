@@ -46,8 +46,9 @@ void add_condition_arguments(CLI::App& command, ConditionArguments& arguments) {
   command.add_option("--points", arguments.points, "Correspondences of a problem: a list")->capture_default_str();
   command.add_option("--family", arguments.families, "Families of problems: a list; see below")->capture_default_str();
   command
-      .add_option("--scale", arguments.scales,
-                  "known, unknown or both: an unknown scale of the source, from 0.5 to 2, is to be found as well")
+      .add_option(
+          "--scale", arguments.scales,
+          "known, unknown, or a list of the two: an unknown scale of the source, from 0.5 to 2, is to be found as well")
       ->capture_default_str();
   command
       .add_option("--bound-factor", arguments.bound_factors,

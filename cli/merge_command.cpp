@@ -88,9 +88,9 @@ int run_merge(const Options& options) {
   const studies::StudySummary summary = studies::summarise(merged.table);
   print_trials(summary);
   if (!merged.limits.empty()) print_limits(merged.limits, merged.table.options());
-  print_files_and_draw(out, !merged.limits.empty());
   write_report(options.report,
                [&](std::string_view command) { return studies::sweep_page(summary, merged.summary, command); });
+  print_files_and_draw(out, !merged.limits.empty());
   return kSuccess;
 }
 

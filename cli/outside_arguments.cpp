@@ -8,6 +8,7 @@
 
 #include <fmt/format.h>
 
+#include "interruption.hpp"
 #include "solver_arguments.hpp"
 #include "standard_streams.hpp"
 
@@ -38,6 +39,10 @@ void set_versions(const std::vector<std::string>& versions, std::vector<studies:
     if (end == std::string::npos || end + 1 == text.size() || program == programs.end()) {
       throw std::invalid_argument(
           fmt::format("--solver-version: expected NAME=TEXT with the name of a program in --solver, got '{}'", text));
+    }
+    if (!program->version.empty()) {
+      throw std::invalid_argument(fmt::format("--solver-version: {} has two, '{}' and '{}'", program->name,
+                                              program->version, text.substr(end + 1)));
     }
     program->version = text.substr(end + 1);
   }
@@ -80,9 +85,14 @@ StudySolvers solvers_of(const SolverArguments& arguments) {
       }
     }
   }
+  if (!arguments.settings.empty() && programs.size() == solvers.names.size()) {
+    throw std::invalid_argument(
+        fmt::format("--option: '{}' is of no solver of consimd, and --solver names none", arguments.settings.front()));
+  }
   set_versions(arguments.versions, programs);
   studies::require_outside_solvers(named, solvers.names);  // before any starts: a program takes its time
-  for (const studies::OutsideProgram& program : programs) {
+  for (studies::OutsideProgram& program : programs) {
+    program.stop_requested = [] { return InterruptionGuard::requested(); };
     solvers.outside.push_back(start_outside_program(program));
   }
   return solvers;

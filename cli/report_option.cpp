@@ -31,9 +31,11 @@ std::string command_line() {
 }  // namespace
 
 void add_report_option(CLI::App& command, std::string& file) {
-  command.add_option("--report", file,
-                     "Write a page to look at the results in a browser, without network: figures that tell their "
-                     "numbers, tables to sort and save, the machine and this command. FILE.html");
+  command
+      .add_option("--report", file,
+                  "Write a page to look at the results in a browser, without network: figures that tell their "
+                  "numbers, tables to sort and save, the machine and this command. FILE.html")
+      ->check([](const std::string& name) { return std::string(name.empty() ? "expected the name of a file" : ""); });
 }
 
 void check_report(const std::string& file, const std::string& out) {

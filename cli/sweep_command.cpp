@@ -128,10 +128,11 @@ int run_sweep_command(Options options) {
   if (shard) {
     fmt::print("shard {} is complete; when all are: consimd merge {}\n", to_string(*shard), options.out);
   } else {
-    print_files_and_draw(out, options.map);
+    // Before the figures: those of many conditions take minutes.
     write_report(options.report, [&](std::string_view command) {
       return studies::sweep_page(summary, studies::summary_json(table, {facts.isa, facts.threads, true}), command);
     });
+    print_files_and_draw(out, options.map);
   }
   return kSuccess;
 }

@@ -43,7 +43,7 @@ def say(text):
 
 REPLIES = {"few": "1 2 3\n", "garbage": "\x01\x02 no pose here\n", "nan": "nan" + " 0" * 11 + "\n",
            "reflection": "1 0 0 0 0 1 0 0 0 0 -1 0\n", "stretched": "2 0 0 0 0 1 0 0 0 0 1 0\n",
-           "huge": "7" * 100_000, "two": "none\nnone\n", "row": "1 0 0 0 0 1 0 0 0 0 1 0 0 0 0 3\n"}
+           "far": "1 0 0 1e160 0 1 0 0 0 0 1 0\n", "huge": "7" * 100_000, "two": "none\nnone\n", "row": "1 0 0 0 0 1 0 0 0 0 1 0 0 0 0 3\n"}
 with open("starts", "a") as file:
     file.write(f"{os.getpid()}\n")
 say("ready 1.5\n")
@@ -197,6 +197,7 @@ class OutsideSolver(CommandTest):
             ("reflection", "not a rotation but a reflection"),
             ("stretched", "not a rotation: R R^T is 3 off the identity"),
             ("row", "the last row must be 0 0 0 1"),
+            ("far", "the translation has 1e+160, expected 1e+100 at most"),
             ("two", "it wrote more than one line"),
             ("huge", "it has no end: '7777"),
         ):
@@ -232,11 +233,28 @@ class OutsideSolver(CommandTest):
         self.run_command(*COMPARE, "--solver", self.program("exit"), "--out", "compared")
         self.assertIn("Programs failed, which counts as no pose: mine: 4 crashed.", (self.folder / "compared/tables.md").read_text())
 
+    def test_ctrl_c_ends_a_program_that_hangs_and_leaves_its_problem_undone(self):
+        for command, table in ((SWEEP, "trials.csv"), (COMPARE, "runs.csv")):
+            out = command[0]
+            (self.folder / "starts").unlink(missing_ok=True)
+            process = self.start(*command, "--solver", self.program("hang"), "--out", out)
+            deadline = time.monotonic() + 120
+            while not (self.folder / out / table).exists():
+                self.assertLess(time.monotonic(), deadline)
+                time.sleep(0.01)
+            time.sleep(3)  # it hangs by then, or the study ends as ever
+            process.send_signal(signal.SIGINT)
+            process.communicate(timeout=30)  # half of the time limit
+            self.assertEqual(process.returncode, 130)
+            self.assertNotIn("2", [row["seed"] for row in self.rows(f"{out}/{table}")])
+            self.assertFalse([number for number in self.starts() if runs(number)])
+
     def test_a_program_that_does_not_start_is_told_before_anything_is_written(self):
         for command, says in (
             ("./nothing", "ended with exit code 127 without the line 'ready'"),
             ("echo hello", "ended with exit code 0 without the line 'ready', it said 'hello'"),
             ("echo readyset; cat", "ran for 1 s without the line 'ready', it said 'readyset'"),
+            (r"printf 'ready\nloaded\n'; cat", "wrote more after the line 'ready'"),
             ("yes '' | tr -d '\\n' ; sleep 100; : ", "ran for 1 s without the line 'ready'"),
         ):
             error = self.fails(*SWEEP, "--time-limit", 1, "--solver", f"mine=exec:{command}", "--out", "none")
@@ -253,6 +271,9 @@ class OutsideSolver(CommandTest):
             (["--solver", good, "--solver", good], "given twice"),
             (["--solver", good, "--time-limit", "0"], "time limit: expected a number of seconds above 0"),
             (["--solver", good, "--solver-version", "yours=2"], "--solver-version: expected NAME=TEXT"),
+            (["--solver", good, "--solver-version", "mine=1", "--solver-version", "mine=2"], "mine has two, '1' and '2'"),
+            (["--solver", good, "--option", "x=2"], "--option: 'x=2' is of no solver of consimd"),
+            (["--solver", good, "--report", ""], "--report: expected the name of a file"),
             (["--solver", "mine=python:x"], "solver is 'mine=python', expected one of"),
         ):
             for command in (SWEEP, COMPARE):

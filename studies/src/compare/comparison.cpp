@@ -182,7 +182,12 @@ void run_comparison(Comparison& comparison, const ComparisonControl& control) {
             record = record_of(run.outcome, tried, run.data, OracleErrors(run.data.problem), group, method, seed);
           } else {
             loaded.require(tried);
-            const Outcome outcome = outcome_on(tried, loaded, group, method, seed, comparison.outside());
+            Outcome outcome;
+            try {
+              outcome = outcome_on(tried, loaded, group, method, seed, comparison.outside());
+            } catch (const SolverStopped&) {
+              continue;
+            }
             if (control.on_failure && !outcome.failure.empty()) control.on_failure(outcome.failure);
             record = record_of(outcome, tried, *loaded.data, loaded.oracle, group, method, seed);
           }

@@ -25,7 +25,8 @@ using namespace std::chrono_literals;
 
 // Sixteen doubles of 24 characters and a time are 450; a reply in other spelling has room.
 constexpr std::size_t kLongestReply = 4096;
-constexpr auto kGrace = 1s;  // for a program whose input has ended to end itself
+constexpr auto kBetweenLooks = 100ms;  // at whether to stop
+constexpr auto kGrace = 1s;            // for a program whose input has ended to end itself
 
 [[noreturn]] void fail(const char* what, int error) {
   throw std::runtime_error(fmt::format("cannot {}: {}", what, std::generic_category().message(error)));
@@ -165,7 +166,8 @@ bool ChildProcess::receive() {
   return got > 0 || (got < 0 && (errno == EAGAIN || errno == EINTR));
 }
 
-ChildProcess::Reply ChildProcess::exchange(std::string_view data, Clock::time_point deadline) {
+ChildProcess::Reply ChildProcess::exchange(std::string_view data, Clock::time_point deadline,
+                                           const std::function<bool()>& stop) {
   for (;;) {
     if (const std::size_t end = received_.find('\n'); end != std::string::npos) {
       std::string line = received_.substr(0, end);
@@ -175,7 +177,12 @@ ChildProcess::Reply ChildProcess::exchange(std::string_view data, Clock::time_po
     }
     if (received_.size() > kLongestReply) return {Answer::too_long, received_};
     pollfd descriptors[] = {{output_, POLLIN, 0}, {input_, POLLOUT, 0}};
-    if (!wait_for(descriptors, data.empty() ? 1 : 2, deadline)) return {Answer::timed_out, received_};
+    const Clock::time_point look = stop ? std::min(deadline, Clock::now() + kBetweenLooks) : deadline;
+    if (!wait_for(descriptors, data.empty() ? 1 : 2, look)) {
+      if (Clock::now() >= deadline) return {Answer::timed_out, received_};
+      if (stop()) return {Answer::stopped, received_};
+      continue;
+    }
     // Nobody reads: what the program wrote before it ended may still come.
     if (descriptors[1].revents != 0 && !send(data)) data = {};
     if (descriptors[0].revents != 0 && !receive()) return {Answer::ended, received_};

@@ -3,6 +3,7 @@
 
 #include <chrono>
 #include <cstdint>
+#include <functional>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -21,6 +22,7 @@ class ChildProcess {
     more,       ///< a line and something behind it
     ended,      ///< the program closed its output first, most often by ending
     timed_out,  ///< there was no whole line in time
+    stopped,    ///< nor before `stop` said so
     too_long,   ///< more characters than any reply has, without an end of a line
   };
   struct Reply {
@@ -35,8 +37,9 @@ class ChildProcess {
   ChildProcess(const ChildProcess&) = delete;
   ChildProcess& operator=(const ChildProcess&) = delete;
 
-  /// Sends `data` and waits for a line, until `deadline`. After any answer but `line` the program is of no more use.
-  [[nodiscard]] Reply exchange(std::string_view data, Clock::time_point deadline);
+  /// Sends `data` and waits for a line, until `deadline` or until `stop`, which is asked every tenth of a second, says
+  /// so; none never does. After any answer but `line` the program is of no more use.
+  [[nodiscard]] Reply exchange(std::string_view data, Clock::time_point deadline, const std::function<bool()>& stop);
 
   /// Something that the program wrote unasked.
   [[nodiscard]] bool has_unread();

@@ -80,7 +80,7 @@ class ProgramPool {
     if (process->has_unread()) wrong(problem, "it wrote more than one line for the problem before");
     const std::string data = program_.binary ? problem_bytes(problem) : problem_text(problem);
     const Clock::time_point start = Clock::now();
-    ChildProcess::Reply reply = process->exchange(data, deadline_in(program_.time_limit));
+    ChildProcess::Reply reply = process->exchange(data, deadline_in(program_.time_limit), program_.stop_requested);
     const double seconds = std::chrono::duration<double>(Clock::now() - start).count();
     switch (reply.answer) {
       case Answer::line:
@@ -95,6 +95,9 @@ class ProgramPool {
         process->end(false);
         return failed(kTimedOut, fmt::format("no reply within {} s{}", program_.time_limit, so_far(reply.text)),
                       seconds);
+      case Answer::stopped:
+        process->end(false);
+        throw SolverStopped(fmt::format("solver {} on {}: stopped", program_.name, problem.name));
       case Answer::ended:
         return failed(kCrashed, fmt::format("it ended with {}{}", process->end(true), so_far(reply.text)), seconds);
     }
@@ -124,11 +127,14 @@ class ProgramPool {
     const std::string begun = fmt::format("solver {}: '{}'", program_.name, program_.command);
     std::string first;
     for (;;) {
-      ChildProcess::Reply reply = process->exchange({}, deadline);
+      ChildProcess::Reply reply = process->exchange({}, deadline, {});
       std::string_view text = reply.text;
       if (text.ends_with('\r')) text.remove_suffix(1);
       const bool whole = reply.answer == Answer::line || reply.answer == Answer::more;
       if (whole && text.starts_with(kReady) && (text.size() == kReady.size() || text[kReady.size()] == ' ')) {
+        if (reply.answer == Answer::more) {
+          throw std::runtime_error(fmt::format("{} wrote more after the line 'ready'", begun));
+        }
         text.remove_prefix(std::min(text.size(), kReady.size() + 1));
         return {std::move(process), printable(text)};
       }

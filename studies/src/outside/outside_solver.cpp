@@ -37,8 +37,13 @@ bool is_outside_name(std::string_view name) {
 
 /// The pose that counts: a rotation that is one but for the rounding of doubles stays as it is.
 RigidTransform checked_pose(const RigidTransform& pose) {
-  constexpr double kRounding = 1e-12;  // of a unit: no error of a study shows it
+  constexpr double kRounding = 1e-12;            // of a unit: no error of a study shows it
+  constexpr double kLargestTranslation = 1e100;  // so that squares of errors are finite
   if (!pose.affine().allFinite()) throw std::invalid_argument("the pose has a number that is not finite");
+  if (const double largest = pose.translation().cwiseAbs().maxCoeff(); largest > kLargestTranslation) {
+    throw std::invalid_argument(
+        fmt::format("the translation has {}, expected {} at most", largest, kLargestTranslation));
+  }
   RigidTransform nearest = synth::nearest_pose(pose.linear(), pose.translation());
   const Eigen::Matrix3d product = pose.linear() * pose.linear().transpose();
   return (product - Eigen::Matrix3d::Identity()).cwiseAbs().maxCoeff() <= kRounding ? pose : nearest;

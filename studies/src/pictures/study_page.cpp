@@ -267,11 +267,11 @@ std::string sweep_page(const StudySummary& study, std::string_view summary, std:
   const std::span<const CellSummary> cells = study.cells();
   const std::vector<SolverSummary> solvers = by_solver(cells);
   std::size_t trials = 0;
-  for (const SolverSummary& solver : solvers) trials += solver.trials;
+  for (const CellSummary& cell : cells) trials += cell.trials;
   Json overview = table_json("solvers", "Over all cells", std::span(solvers), kOverviewColumns);
   Json all = study.wide() ? table_json("cells", "All cells", cells, kWideCellColumns)
                           : table_json("cells", "All cells", cells, kCellColumns);
-  all["caption"].push_back("Errors are means over all trials, failures included.");
+  all["caption"].push_back("Errors are means over all trials with a true pose, failures included.");
   all["series"] = "solver";
   all["keys"] = cell_keys(study.wide());
   all["charts"] = Json::array({success_chart(), error_chart("Mean rotation error, degrees", "rotation_error_deg_mean"),

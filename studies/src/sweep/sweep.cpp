@@ -227,7 +227,12 @@ void run_sweep(TrialTable& table, const SweepControl& control) {
     if (!job) return;
     // Isolated: a thread that waits inside a solver must not pick up another problem, whose time would count as this
     // one's.
-    std::vector<Trial> trials = tbb::this_task_arena::isolate([&] { return run_job(*job, table.options()); });
+    std::vector<Trial> trials;
+    try {
+      trials = tbb::this_task_arena::isolate([&] { return run_job(*job, table.options()); });
+    } catch (const SolverStopped&) {
+      return;
+    }
     const std::lock_guard lock(filing);
     for (auto& [record, failure] : trials) {
       if (control.on_failure && !failure.empty()) control.on_failure(failure);

@@ -1,6 +1,7 @@
 // Any program as a solver of a study: docs/outside_solvers.md has the protocol.
 #pragma once
 
+#include <functional>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -20,6 +21,8 @@ struct OutsideProgram {
   bool binary = false;                    ///< problems as little-endian binary numbers, not as text
   double time_limit = kDefaultTimeLimit;  ///< seconds a problem, and to get ready; finite and > 0
   std::string version = {};               ///< empty: what the program tells
+  /// Asked while the program works on a problem, from any thread; true kills it, and `solve` throws SolverStopped.
+  std::function<bool()> stop_requested = {};
 };
 
 /// The program of "NAME=exec:COMMAND" or "NAME=exec-binary:COMMAND"; none if the text is of another form. Throws

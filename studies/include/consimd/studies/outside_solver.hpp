@@ -7,6 +7,7 @@
 #include <memory>
 #include <optional>
 #include <span>
+#include <stdexcept>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -56,6 +57,13 @@ struct OutsideReply {
   std::string failure = {};
 };
 
+/// What `solve` throws if it was told to stop: the problem stays undone, and the study goes on, to its own wish to
+/// stop.
+class SolverStopped : public std::runtime_error {
+ public:
+  using std::runtime_error::runtime_error;
+};
+
 /// A solver of somebody else's. All members but `solve` say which one it is: a study in a folder goes on only with the
 /// same, and its summary names them.
 struct OutsideSolver {
@@ -63,8 +71,8 @@ struct OutsideSolver {
   std::string command = "function";  ///< how it is called
   std::string version = {};
   double time_limit = 0.0;  ///< seconds a problem that `solve` keeps to; 0: none
-  /// Called from any thread, by several at once in a sweep. What it throws ends the study and reaches the caller of
-  /// `run_sweep` or `run_comparison`. May be missing where nothing is run, as in a merge.
+  /// Called from any thread, by several at once in a sweep. What else it throws ends the study and reaches the caller
+  /// of `run_sweep` or `run_comparison`. May be missing where nothing is run, as in a merge.
   std::function<OutsideReply(const OutsideProblem&)> solve = {};
 };
 
