@@ -4,6 +4,7 @@
 #include <array>
 #include <atomic>
 #include <filesystem>
+#include <memory>
 #include <optional>
 #include <stdexcept>
 #include <string>
@@ -132,7 +133,8 @@ nb::tuple run(const std::optional<std::filesystem::path>& cases, std::vector<std
   if (sigma) options.sigma = to_text(*sigma);
   options.tables.tables = std::move(tables);
   if (solvers) options.tables.solvers = std::move(*solvers);
-  options.tables.outside = outside_solvers(outside, time_limit);
+  const auto stop = std::make_shared<std::atomic<bool>>(false);
+  options.tables.outside = outside_solvers(outside, time_limit, stop);
   // However a solver's options were spelt, its name in the tables is one.
   for (std::string& solver : options.tables.solvers) solver = solver_label(options.tables.outside, solver);
   options.tables.filtered = filter_by_name(filter) == Filter::tcf;
@@ -151,14 +153,15 @@ nb::tuple run(const std::optional<std::filesystem::path>& cases, std::vector<std
   if (report) studies::require_writable_page(*report, folder_path.value_or(""));
   if (folder_path) folder.emplace(*folder_path, comparison, facts, fresh);
 
-  run_study(comparison.filled(), comparison.size(), limit, progress, [&](const auto& stop_requested, const auto& step) {
-    studies::run_comparison(comparison, {.on_run =
-                                             [&](const studies::RunRecord& record) {
-                                               if (folder) folder->append(record);
-                                               step();
-                                             },
-                                         .stop_requested = stop_requested});
-  });
+  run_study(comparison.filled(), comparison.size(), limit, progress, *stop,
+            [&](const auto& stop_requested, const auto& step) {
+              studies::run_comparison(comparison, {.on_run =
+                                                       [&](const studies::RunRecord& record) {
+                                                         if (folder) folder->append(record);
+                                                         step();
+                                                       },
+                                                   .stop_requested = stop_requested});
+            });
   const studies::ComparisonResults results = studies::comparison_results(options.tables, comparison);
   if (folder) folder->write(comparison, results, facts);
   if (report) {

@@ -60,7 +60,8 @@ studies::OutsideReply call(nb::handle function, const studies::OutsideProblem& p
 
 }  // namespace
 
-studies::OutsideSolvers outside_solvers(const std::vector<OutsideEntry>& entries, double time_limit) {
+studies::OutsideSolvers outside_solvers(const std::vector<OutsideEntry>& entries, double time_limit,
+                                        const std::shared_ptr<const std::atomic<bool>>& stop) {
   studies::OutsideSolvers solvers;
   for (const auto& entry : entries) {
     const std::string& name = std::get<0>(entry);
@@ -83,6 +84,7 @@ studies::OutsideSolvers outside_solvers(const std::vector<OutsideEntry>& entries
     }
     program->version = version;
     program->time_limit = time_limit;
+    program->stop_requested = [stop] { return stop->load(); };
     solvers.push_back(interruptible_result<studies::OutsideSolver>(
         [program = std::move(*program)] { return studies::start_outside_program(program); }));
   }

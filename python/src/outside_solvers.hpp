@@ -1,6 +1,8 @@
 // Solvers of others in studies under Python.
 #pragma once
 
+#include <atomic>
+#include <memory>
 #include <string>
 #include <tuple>
 #include <vector>
@@ -15,7 +17,8 @@ namespace consimd::python {
 using OutsideEntry = std::tuple<std::string, nanobind::object, std::string, std::string>;
 
 /// The functions are borrowed: the entries must outlive the solvers. Starts the programs, each with that time limit in
-/// seconds; call it with the interpreter's lock held.
-[[nodiscard]] studies::OutsideSolvers outside_solvers(const std::vector<OutsideEntry>& entries, double time_limit);
+/// seconds, to be killed at work once `stop` is true; call it with the interpreter's lock held.
+[[nodiscard]] studies::OutsideSolvers outside_solvers(const std::vector<OutsideEntry>& entries, double time_limit,
+                                                      const std::shared_ptr<const std::atomic<bool>>& stop);
 
 }  // namespace consimd::python

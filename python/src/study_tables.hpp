@@ -64,13 +64,12 @@ template <typename Columns>
 }
 
 /// Runs `work(stop_requested, step)` without the interpreter's lock: it calls `step` as each of its `total` units ends,
-/// of which `done_before` are done already, and returns soon when `stop_requested` is true. `progress`, unless it is
-/// None, is told the numbers of units done and of all some ten times a second and in the end; what it raises, and
-/// Ctrl-C, ends the work. `threads` as `checked_threads` returned it.
+/// of which `done_before` are done already, and returns soon when `stop_requested`, which is `stop`, is true.
+/// `progress`, unless it is None, is told the numbers of units done and of all some ten times a second and in the end;
+/// what it raises, and Ctrl-C, ends the work. `threads` as `checked_threads` returned it.
 template <typename Work>
 void run_study(std::size_t done_before, std::size_t total, std::optional<int> threads, const nb::object& progress,
-               const Work& work) {
-  std::atomic<bool> stop = false;
+               std::atomic<bool>& stop, const Work& work) {
   std::atomic<std::size_t> done = done_before;
   const auto tell = [&] {
     if (!progress.is_none()) progress(done.load(), total);

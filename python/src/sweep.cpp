@@ -1,7 +1,9 @@
 // The noise study.
 #include <consimd/studies/sweep.hpp>
 
+#include <atomic>
 #include <filesystem>
+#include <memory>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -51,7 +53,8 @@ nb::tuple run(std::vector<std::size_t> points, std::optional<std::vector<double>
   if (sigma) options.sigmas = std::move(*sigma);
   options.trials = trials;
   options.solvers = std::move(solvers);
-  options.outside = outside_solvers(outside, time_limit);
+  const auto stop = std::make_shared<std::atomic<bool>>(false);
+  options.outside = outside_solvers(outside, time_limit, stop);
   options.filter = filter_by_name(filter);
   options.seed = seed;
   options.families = std::move(families);
@@ -66,7 +69,7 @@ nb::tuple run(std::vector<std::size_t> points, std::optional<std::vector<double>
   if (report) studies::require_writable_page(*report, folder_path.value_or(""));
   if (folder_path) folder.emplace(*folder_path, table, facts, fresh);
 
-  run_study(table.filled(), table.size(), limit, progress, [&](const auto& stop_requested, const auto& step) {
+  run_study(table.filled(), table.size(), limit, progress, *stop, [&](const auto& stop_requested, const auto& step) {
     studies::run_sweep(table, {.on_trial =
                                    [&](const studies::TrialRecord& record) {
                                      if (folder) folder->append(record);

@@ -223,3 +223,30 @@ def test_ctrl_c_ends_a_study_of_a_function(script, tmp_path):
     assert process.wait(timeout=30) == 0
     assert process.stdout.read().endswith("interrupted\n")
     assert len((tmp_path / "study/trials.csv").read_text().splitlines()) > 2
+
+
+HUNG = """
+import sys, time
+print("ready", flush=True)
+sys.stdin.readline()
+print("got", file=sys.stderr, flush=True)
+time.sleep(1000)
+"""
+CALLS_HUNG = """
+import sys
+import consimd
+
+try:
+    consimd.sweep(100, [0.5], [0.1], trials=2, solvers={"mine": f"exec:{sys.executable} hung.py"}, threads=1)
+except KeyboardInterrupt:
+    print("interrupted")
+"""
+
+
+def test_ctrl_c_ends_a_program_that_hangs(script, tmp_path):
+    (tmp_path / "hung.py").write_text(HUNG)
+    process = script(CALLS_HUNG)
+    assert process.stderr.readline() == "got\n"
+    process.send_signal(signal.SIGINT)
+    assert process.wait(timeout=30) == 0  # half of the time limit
+    assert process.stdout.read().endswith("interrupted\n")
