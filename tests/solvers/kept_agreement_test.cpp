@@ -78,16 +78,14 @@ TEST(KeptChances, AreNoLessThanThoseOfRandomPairing) {
 }
 
 TEST(KeptChances, AreNoneWhereNothingIsKept) {
-  // Eleven kinds that show by chance once in a thousand each: three of 50 problems or more with one once in 50 000.
-  std::size_t shown = 0;
+  // Nine in ten of 285 unrelated rows keep nothing by chance.
   for (std::uint64_t trial = 0; trial < 50; ++trial) {
     const Problem problem = synth::hard_problem({.correspondences = 300, .outlier_ratio = 0.95, .trial = trial});
-    shown += chances_at(problem, problem.T_target_source).kept.empty() ? 0U : 1U;
+    EXPECT_TRUE(chances_at(problem, problem.T_target_source).kept.empty()) << trial;
   }
-  EXPECT_LE(shown, 4U);
 }
 
-TEST(KeptChances, OfVeryFewRowsAreAtHand) {
+TEST(KeptChances, AreNoneWhereThePoseMissesNoRow) {
   for (std::size_t rows = 3; rows < 8; ++rows) {
     const Problem problem = synth::hard_problem({.correspondences = rows, .outlier_ratio = 0.0, .sigma = 0.1});
     EXPECT_TRUE(chances_at(problem, problem.T_target_source).kept.empty());

@@ -36,8 +36,8 @@ INSTANTIATE_TEST_SUITE_P(Kinds, Lookalikes,
                          [](const auto& test) { return std::string(test.param.name); });
 
 TEST_P(Lookalikes, AreSeldomASuccess) {
-  // Of 3000 problems of each kind and two seeds of the generator tcf calls at most six in a thousand a success
-  // (bench/false_poses). Of 40, three or more are by chance alone in one of five hundred choices of the seed.
+  // With two seeds of the generator, tcf calls 7 of 2000 facades of these sizes a success, and fewer of every other
+  // kind (bench/false_poses). Three or more of 40 are then by chance alone in one of two thousand choices of the seed.
   constexpr std::uint64_t kTrials = 10;
   constexpr std::array<std::size_t, 4> kSizes{100, 300, 1000, 3000};
   constexpr std::uint64_t kMost = 2;

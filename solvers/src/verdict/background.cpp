@@ -30,7 +30,7 @@ constexpr double kNoStructureOfFew = 0.05;
 constexpr double kFewHits = 8.0;
 // Where random pairing gives fewer, no hit at all is no sign that structure gives none.
 constexpr double kNextToNone = 1.0;
-// Of the tested bounds, half of the noise bound.
+// Half of the noise bound is at this position among the tested ones.
 constexpr std::size_t kHalf = 2;
 static_assert(kTestedBounds[kHalf] == 0.5);
 // Targets that a moved source reaches, up to which they are found in cells rather than among each stratum's rows: of

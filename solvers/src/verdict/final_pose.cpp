@@ -77,7 +77,6 @@ double lead(const Correspondences& correspondences, const PoseTest& test, const 
 // held against the pose by their median: the best ones about a true pose share some of its support.
 double lead_over_shift(const Correspondences& correspondences, const PoseTest& test, const BestPoses& poses) {
   constexpr double kNone = -std::numeric_limits<double>::infinity();
-  if (test.log10_false_poses(correspondences, poses.best().pose) < kRepeatable) return kNone;
   const CorrespondenceView view = correspondences.view();
   const auto size = static_cast<double>(view.size());
   const ShiftedMotions shifts = shifted_motions(correspondences, poses, test.noise_bound);
@@ -87,6 +86,8 @@ double lead_over_shift(const Correspondences& correspondences, const PoseTest& t
       poses.same_motion_as_best(shifted.pose)) {
     return kNone;
   }
+  // Asked last: a glance may have told the pose, and a close look takes longer than all shifts.
+  if (test.log10_false_poses(correspondences, poses.best().pose) < kRepeatable) return kNone;
   double reached = 0.0;
   if (test.log10_false_poses(correspondences, shifted.pose) < 0.0) {
     reached = independent_support(view, shifted.pose, test.noise_bound);

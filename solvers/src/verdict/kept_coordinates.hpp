@@ -51,7 +51,7 @@ class SourceCoordinates {
   /// Axes are those of every `step`-th source.
   SourceCoordinates(const Correspondences& correspondences, std::size_t step);
 
-  /// Of a point in the working frame, in its unit.
+  /// Those of a point in the working frame, in its unit.
   [[nodiscard]] std::array<float, kCoordinates> operator()(const Point& point) const;
 
  private:

@@ -18,7 +18,7 @@ struct ShiftedMotions {
   std::vector<double> independent;  ///< supporters of the best ones that count, most first
 };
 
-/// Sixteen of them at most. noise_bound: caller's unit.
+/// Finds those that most rows agree on. noise_bound: caller's unit.
 ShiftedMotions shifted_motions(const Correspondences& correspondences, const BestPoses& poses, double noise_bound);
 
 /// ln of the chance that so many shifts are supported as well as these, where a shift takes a source to the target of
