@@ -5,6 +5,7 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <iterator>
 #include <span>
 #include <string>
 #include <utility>
@@ -59,7 +60,7 @@ class PairTally {
   [[nodiscard]] PairStatistics statistics() const;
 
  private:
-  /// Of which problems, and what it is the difference of.
+  /// A difference of the two: its sum over the problems that have one, and in the samples of the bootstrap.
   struct Quantity {
     std::size_t problems = 0;
     double sum = 0.0;

@@ -24,7 +24,8 @@ struct TableInfo {
 /// What is to be run and told.
 struct TableOptions {
   std::vector<std::string> tables;  ///< names of paper_tables()
-  /// Of "solvers", "pairs", "quantiles", "pipeline" and "boost", as SolverChoice takes them, or outside ones.
+  /// Those that "solvers", "pairs", "quantiles", "pipeline" and "boost" run, as SolverChoice takes them, or outside
+  /// ones.
   std::vector<std::string> solvers;
   OutsideSolvers outside = {};            ///< those that `solvers` names
   bool filtered = false;                  ///< "solvers", "pairs" and "quantiles" after TCF's filter
