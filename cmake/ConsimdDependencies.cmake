@@ -19,5 +19,8 @@ endfunction()
 # packages refuse a range that spans major versions.
 macro(consimd_find name)
   find_package(${name} REQUIRED ${ARGN})
+  if("${${name}_VERSION}" STREQUAL "")
+    set(${name}_VERSION "${${name}_VERSION_STRING}")  # as FindZLIB calls it before CMake 3.26
+  endif()
   consimd_check_version(${name} "${${name}_VERSION}")
 endmacro()

@@ -20,7 +20,7 @@ function(consimd_install library description)
   install(FILES ${PROJECT_BINARY_DIR}/consimd-${library}.pc DESTINATION ${pkgconfig_dir})
 endfunction()
 
-# Static libraries leave linking oneTBB and fmt to their user.
+# Static libraries leave linking oneTBB, zlib and fmt to their user.
 set(solvers_requirements consimd-poses)
 set(features_requirements consimd-solvers)
 set(studies_requirements consimd-features consimd-solvers consimd-synth)
@@ -28,7 +28,7 @@ set(CONSIMD_STATIC OFF)
 if(NOT BUILD_SHARED_LIBS)
   set(CONSIMD_STATIC ON)
   list(APPEND solvers_requirements tbb)
-  list(APPEND features_requirements tbb)
+  list(APPEND features_requirements tbb zlib)
   list(APPEND studies_requirements fmt)
 endif()
 

@@ -9,13 +9,14 @@ set -euo pipefail
 # is_less A B: of two versions
 is_less() { [[ $1 != "$2" && $(printf '%s\n' "$1" "$2" | sort --version-sort | head -n 1) == "$1" ]]; }
 
-# installed_version NAME PACKAGE: without Debian's epoch and revision; nothing where it is not installed.
+# installed_version NAME PACKAGE: without Debian's epoch, revision and mark of changed sources; nothing where it is not installed.
 installed_version() {
   local name=$1 package=$2 version="" venv
   if [[ $package != pip ]]; then
     version=$(dpkg-query --show --showformat='${Version}\n' "$package" 2>/dev/null | head -n 1) || true
     version=${version#*:}
     version=${version%%[-+~]*}
+    version=${version%.dfsg*}
   else
     for venv in "$root"/build/{python,lint}-venv; do
       [[ -n $version ]] || version=$("$venv/bin/python" -I -c \

@@ -32,7 +32,7 @@ class ConsimdRecipe(ConanFile):
         self.version = re.search(r"project\(consimd VERSION ([\d.]+)", lists).group(1)
 
     def export_sources(self):
-        for pattern in ("CMakeLists.txt", "LICENSE", "cmake/*", "kernels/*", "poses/*", "solvers/*", "synth/*", "studies/*"):
+        for pattern in ("CMakeLists.txt", "LICENSE", "cmake/*", "kernels/*", "poses/*", "solvers/*", "features/*", "synth/*", "studies/*"):
             copy(self, pattern, self._checkout, self.export_sources_folder)
 
     def layout(self):
@@ -43,6 +43,7 @@ class ConsimdRecipe(ConanFile):
         if not self.options.kernels_only:
             self.requires("eigen/[>=3.4 <6]", transitive_headers=True)
             self.requires("onetbb/[>=2021.5 <2024]")
+            self.requires("zlib/[>=1.2.11 <2]")
         if self.options.studies:
             self.requires("fmt/[>=9 <13]")
             self.requires("nlohmann_json/[>=3.11 <4]", visible=False)
@@ -85,9 +86,10 @@ class ConsimdRecipe(ConanFile):
         if not self.options.kernels_only:
             needs["poses"] = ["kernels", "eigen::eigen"]
             needs["solvers"] = ["poses", "onetbb::onetbb"]
+            needs["features"] = ["solvers", "onetbb::onetbb", "zlib::zlib"]
             needs["synth"] = ["poses"]
         if self.options.studies:
-            needs["studies"] = ["solvers", "synth", "fmt::fmt", "nlohmann_json::nlohmann_json"]
+            needs["studies"] = ["features", "solvers", "synth", "fmt::fmt", "nlohmann_json::nlohmann_json"]
         for name, requires in needs.items():
             component = self.cpp_info.components[name]
             component.libs = [f"consimd_{name}"]

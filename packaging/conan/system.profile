@@ -1,4 +1,4 @@
-# Takes what consimd needs from the distribution (Debian 12: libeigen3-dev, libfmt-dev, libtbb-dev, libxsimd-dev, nlohmann-json3-dev) instead of building it.
+# Takes what consimd needs from the distribution (Debian 12: libeigen3-dev, libfmt-dev, libtbb-dev, libxsimd-dev, nlohmann-json3-dev, zlib1g-dev) instead of building it.
 include(default)
 
 [settings]
@@ -10,3 +10,4 @@ fmt/9.1.0
 nlohmann_json/3.11.2
 onetbb/2021.8.0
 xsimd/8.1.0
+zlib/1.2.13

@@ -83,9 +83,9 @@ std::string compressed_rows() {
   return bytes_of(static_cast<std::uint32_t>(lzf.size())) + bytes_of(static_cast<std::uint32_t>(size)) + lzf;
 }
 
-std::string npy(const std::string& descr, bool fortran, const std::string& values) {
-  std::string header =
-      "{'descr': '" + descr + "', 'fortran_order': " + (fortran ? "True" : "False") + ", 'shape': (4, 3), }";
+std::string npy(const std::string& descr, bool fortran, const std::string& values, std::size_t rows = 4) {
+  std::string header = "{'descr': '" + descr + "', 'fortran_order': " + (fortran ? "True" : "False") + ", 'shape': (" +
+                       std::to_string(rows) + ", 3), }";
   header.resize(117, ' ');
   header += '\n';
   return std::string("\x93NUMPY\x01\0", 8) + bytes_of(static_cast<std::uint16_t>(header.size())) + header + values;
@@ -151,10 +151,19 @@ std::string zip(const std::string& name, std::uint16_t method, const std::string
          bytes_of(std::uint16_t{0});
 }
 
-/// A block of DEFLATE without compression.
-std::string stored_block(const std::string& contents) {
-  const auto size = static_cast<std::uint16_t>(contents.size());
-  return "\1" + bytes_of(size) + bytes_of(static_cast<std::uint16_t>(~size)) + contents;
+/// Blocks of DEFLATE without compression.
+std::string stored_blocks(std::string_view contents) {
+  constexpr std::size_t kMost = 0xffff;
+  std::string blocks;
+  do {
+    const std::string_view block = contents.substr(0, kMost);
+    contents.remove_prefix(block.size());
+    const auto size = static_cast<std::uint16_t>(block.size());
+    blocks += contents.empty() ? '\1' : '\0';
+    blocks += bytes_of(size) + bytes_of(static_cast<std::uint16_t>(~size));
+    blocks += block;
+  } while (!contents.empty());
+  return blocks;
 }
 
 template <std::size_t N>
@@ -202,7 +211,7 @@ std::vector<File> files() {
           {"d.npy", npy(">f8", true, array<double>(true, true))},
           {"s.npz", zip("points.npy", 0, npy("<f4", false, array<float>(false, false)),
                         npy("<f4", false, array<float>(false, false)))},
-          {"r.npz", zip("other.npy", 8, stored_block(npy(">f8", true, array<double>(true, true))),
+          {"r.npz", zip("other.npy", 8, stored_blocks(npy(">f8", true, array<double>(true, true))),
                         npy(">f8", true, array<double>(true, true)))},
           {"x.npz", zip("xyz.npy", 8, text_of(kFixed), npy("<f4", false, array<float>(false, false)))},
           {"y.npz", zip("xyz.npy", 8, text_of(kDynamic), npy("<f4", false, array<float>(false, false)))},
@@ -250,6 +259,22 @@ TEST_F(CloudFiles, OfEachFormAreRead) {
   }
 }
 
+TEST_F(CloudFiles, OfManyDeflatedBlocksAreRead) {
+  constexpr std::size_t kPoints = 40000;  // 480 kB, of which no block has more than 64
+  std::string values;
+  for (std::size_t i = 0; i < 3 * kPoints; ++i) values += bytes_of(static_cast<float>(i));
+  const std::string contents = npy("<f4", false, values, kPoints);
+  const std::string packed = stored_blocks(contents);
+  const Cloud cloud = features::read_cloud(write("many.npz", zip("points.npy", 8, packed, contents)));
+  ASSERT_EQ(cloud.size(), kPoints);
+  EXPECT_NEAR(cloud.point(kPoints - 1)[2], 3.0 * kPoints - 1.0, 1e-2);
+  for (std::size_t length : {std::size_t{0}, std::size_t{1}, packed.size() / 2, packed.size() - 1}) {
+    const std::string what = fault("many.npz", zip("points.npy", 8, packed.substr(0, length), contents));
+    EXPECT_TRUE(what.ends_with("ends within its compressed data") || what.find("cannot give") != std::string::npos)
+        << length << " " << what;
+  }
+}
+
 TEST_F(CloudFiles, ThatEndEarlyAreFaults) {
   for (const File& file : files()) {
     const std::string form = file.name.substr(file.name.find('.'));
@@ -287,6 +312,8 @@ TEST_F(CloudFiles, ThatPromiseTooMuchReserveNothing) {
   std::string lie = zip("xyz.npy", 8, text_of(kDynamic), whole);
   lie.replace(lie.rfind(size), 4, bytes_of(std::uint32_t{0xfffffff0}));
   EXPECT_NE(fault("y.npz", lie).find("cannot give 4294967280"), std::string::npos) << fault("y.npz", lie);
+  EXPECT_NE(fault("y.npz", zip("xyz.npy", 8, text_of(kDynamic), whole.substr(1))).find("give more than"),
+            std::string::npos);
   std::string compressed = compressed_rows();
   compressed.replace(4, 4, bytes_of(std::uint32_t{0xfffffff0}));
   EXPECT_NE(fault("c.pcd", pcd("binary_compressed", compressed)).find("cannot give"), std::string::npos);
@@ -333,6 +360,8 @@ TEST_F(CloudFiles, SayWhatIsWrong) {
   EXPECT_NE(fault("n.npz", zip("xyz.npy", 0, array_of_rows, array_of_rows.substr(1) + "x")).find("checksum"),
             std::string::npos);
   EXPECT_NE(fault("n.npz", zip("xyz.npy", 12, array_of_rows, array_of_rows)).find("method 12"), std::string::npos);
+  EXPECT_NE(fault("n.npz", zip("xyz.npy", 8, "\7", array_of_rows.substr(0, 1))).find("damaged: invalid block type"),
+            std::string::npos);
   EXPECT_NE(fault("n.npz", "PK\3\4 and no more").find("without a directory"), std::string::npos);
   EXPECT_NE(fault("n.npy", npy("<i8", false, "")).find("expected float32"), std::string::npos);
   EXPECT_THROW(static_cast<void>(features::read_cloud(folder_ / "absent.ply")), std::runtime_error);

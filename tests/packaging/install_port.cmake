@@ -39,7 +39,7 @@ endforeach()
 
 # A header is found in the installed tree alone, a package of the distribution only when the manifest names its port.
 set(environment_options -DCMAKE_PREFIX_PATH=${CURRENT_INSTALLED_DIR} -DCMAKE_IGNORE_PATH=/usr/include)
-foreach(pair IN ITEMS eigen3:Eigen3 fmt:fmt nlohmann-json:nlohmann_json tbb:TBB)
+foreach(pair IN ITEMS eigen3:Eigen3 fmt:fmt nlohmann-json:nlohmann_json tbb:TBB zlib:ZLIB)
   string(REPLACE ":" ";" pair ${pair})
   list(GET pair 0 port)
   list(GET pair 1 package)

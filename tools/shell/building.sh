@@ -2,7 +2,7 @@
 # shellcheck shell=bash
 
 . "$(dirname "${BASH_SOURCE[0]}")/packages.sh"
-. "$(dirname "${BASH_SOURCE[0]}")/onetbb.sh"
+. "$(dirname "${BASH_SOURCE[0]}")/libraries.sh"
 
 use_ccache() {
   if command -v ccache >/dev/null; then
@@ -19,7 +19,7 @@ configure() {
   need build
   use_ccache
   case $preset in
-    neon-solvers) fetch_arm64_tbb || fail "oneTBB of 64-bit ARM cannot be fetched here" ;;
+    neon-solvers) fetch_arm64_libraries || fail "oneTBB and zlib of 64-bit ARM cannot be fetched here" ;;
     tsan) build_tsan_tbb || fail "oneTBB cannot be compiled for the thread sanitizer here" ;;
   esac
   (cd "$root" && cmake --preset "$preset" -DCONSIMD_WERROR="${CONSIMD_WERROR:-OFF}" >/dev/null) ||

@@ -6,7 +6,7 @@
 declare -A packages_of=(
   [browser]="chromium"
   [build]="g++ cmake ninja-build libeigen3-dev libtbb-dev libxsimd-dev librandom123-dev libcli11-dev libfmt-dev
-    nlohmann-json3-dev libgtest-dev libgmock-dev libbenchmark-dev libigraph-dev ccache python3"
+    zlib1g-dev nlohmann-json3-dev libgtest-dev libgmock-dev libbenchmark-dev libigraph-dev ccache python3"
   [docs]="doxygen"
   [figures]="python3-matplotlib"
   [fuzz]="clang"

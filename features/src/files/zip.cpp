@@ -1,7 +1,12 @@
 // The directory of a ZIP archive (PKWARE, "APPNOTE.TXT: .ZIP file format specification").
 #include "files/zip.hpp"
 
-#include <array>
+#define ZLIB_CONST  // input is not written to
+#include <zlib.h>
+
+#include <algorithm>
+#include <memory>
+#include <new>
 
 #include "files/records.hpp"
 
@@ -22,23 +27,47 @@ std::string_view part(std::string_view bytes, std::size_t at, std::size_t size) 
   return bytes.substr(at, size);
 }
 
-/// CRC-32 (section 4.4.7): the remainder by the polynomial 0xedb88320, lowest bit first.
-std::uint32_t checksum_of(std::string_view bytes) {
-  static constexpr std::array<std::uint32_t, 256> kRemainders = [] {
-    std::array<std::uint32_t, 256> remainders{};
-    for (std::uint32_t byte = 0; byte < 256; ++byte) {
-      remainders[byte] = byte;
-      for (int bit = 0; bit < 8; ++bit) {
-        remainders[byte] = (remainders[byte] >> 1U) ^ ((remainders[byte] & 1U) != 0 ? 0xedb88320U : 0U);
-      }
-    }
-    return remainders;
-  }();
-  std::uint32_t remainder = 0xffffffffU;
-  for (const char c : bytes) {
-    remainder = kRemainders[(remainder ^ static_cast<unsigned char>(c)) & 0xffU] ^ (remainder >> 8U);
+const Bytef* bytes_of(std::string_view bytes) { return reinterpret_cast<const Bytef*>(bytes.data()); }
+
+/// Undoes DEFLATE. Throws FileFault unless exactly `size` bytes come out; memory grows with these only.
+std::string inflated(std::string_view deflated, std::size_t size) {
+  // Two bits give at most a copy of 258 bytes.
+  constexpr std::size_t kLargestRatio = 1032;
+  if (size / kLargestRatio > deflated.size()) {
+    throw FileFault(std::to_string(deflated.size()) + " compressed bytes cannot give " + std::to_string(size));
   }
-  return ~remainder;
+  z_stream stream{};
+  stream.next_in = bytes_of(deflated);
+  stream.avail_in = static_cast<uInt>(deflated.size());
+  constexpr int kWithoutHeader = -MAX_WBITS;
+  if (inflateInit2(&stream, kWithoutHeader) != Z_OK) throw std::bad_alloc();
+  const std::unique_ptr<z_stream, int (*)(z_stream*)> ended(&stream, &inflateEnd);
+  // One byte more than promised shows that there are too many.
+  const std::size_t most = size + 1;
+  constexpr std::size_t kBlock = std::size_t{1} << 16U;
+  std::string out;
+  int state = Z_OK;
+  for (std::size_t given = 0; state == Z_OK && given < most; given = stream.total_out) {
+    out.resize(std::min(most, std::max(2 * given, kBlock)));
+    stream.next_out = reinterpret_cast<Bytef*>(out.data() + given);
+    stream.avail_out = static_cast<uInt>(out.size() - given);
+    state = inflate(&stream, Z_NO_FLUSH);
+  }
+  if (state == Z_MEM_ERROR) throw std::bad_alloc();
+  if (stream.total_out > size) {
+    throw FileFault("compressed data give more than " + std::to_string(size) + " bytes");
+  }
+  if (state == Z_BUF_ERROR || state == Z_OK) throw FileFault("ends within its compressed data");
+  if (state != Z_STREAM_END) {
+    throw FileFault(std::string("compressed data are damaged: ") +
+                    (stream.msg != nullptr ? stream.msg : "not DEFLATE"));
+  }
+  if (stream.total_out != size) {
+    throw FileFault("compressed data give " + std::to_string(stream.total_out) + " bytes, expected " +
+                    std::to_string(size));
+  }
+  out.resize(size);
+  return out;
 }
 
 }  // namespace
@@ -84,8 +113,9 @@ std::vector<ZipEntry> zip_entries(std::string_view bytes) {
 
 std::string unpacked(const ZipEntry& entry) {
   try {
-    std::string contents = entry.deflated ? inflate(entry.packed, entry.size) : std::string(entry.packed);
-    if (checksum_of(contents) != entry.checksum) throw FileFault("its checksum is another one");
+    std::string contents = entry.deflated ? inflated(entry.packed, entry.size) : std::string(entry.packed);
+    if (crc32_z(0, bytes_of(contents), contents.size()) != entry.checksum)
+      throw FileFault("its checksum is another one");
     return contents;
   } catch (const FileFault& fault) {
     throw FileFault(shown(entry.name) + ": " + fault.what());

@@ -25,7 +25,4 @@ struct ZipEntry {
 /// The contents of an entry. Throws FileFault where they are damaged.
 [[nodiscard]] std::string unpacked(const ZipEntry& entry);
 
-/// Undoes DEFLATE (RFC 1951). Throws FileFault unless exactly `size` bytes come out; memory grows with these only.
-[[nodiscard]] std::string inflate(std::string_view deflated, std::size_t size);
-
 }  // namespace consimd::features::detail

@@ -1,4 +1,4 @@
-# Sourced by building.sh: oneTBB where the system's does not serve, from the packages of Debian or Ubuntu, in the build folder. The
+# Sourced by building.sh: oneTBB and zlib where the system's do not serve, from the packages of Debian or Ubuntu, in the build folder. The
 # lists of apt-get are own ones, so that nothing of the system changes and nobody must be root.
 # shellcheck shell=bash
 
@@ -11,16 +11,16 @@ apt_get_apart() {
   (cd "$folder" && apt-get -qq -o Dir::State::Lists="$folder/lists" -o Dir::Cache="$folder/cache" -o APT::Sandbox::User=root "${@:2}")
 }
 
-# oneTBB of 64-bit ARM, in build/neon-tbb/usr, which the preset neon-solvers names.
-fetch_arm64_tbb() {
-  local into=$root/build/neon-tbb package arm64
+# oneTBB and zlib of 64-bit ARM, in build/neon-libraries/usr, which the preset neon-solvers names.
+fetch_arm64_libraries() {
+  local into=$root/build/neon-libraries package arm64
   [[ ! -e $into/done ]] || return 0
   rm -rf "$into" && mkdir -p "$into/apt"
   : >"$into/apt/status"
   arm64=(-o APT::Architecture=arm64 -o APT::Architectures=arm64 -o Dir::State::status="$into/apt/status")
-  say "fetching oneTBB of 64-bit ARM"
+  say "fetching oneTBB and zlib of 64-bit ARM"
   apt_get_apart "$into/apt" "${arm64[@]}" update >/dev/null &&
-    apt_get_apart "$into/apt" "${arm64[@]}" download libtbb-dev libtbb12 libtbbmalloc2 libtbbbind-2-5 >/dev/null || return 1
+    apt_get_apart "$into/apt" "${arm64[@]}" download libtbb-dev libtbb12 libtbbmalloc2 libtbbbind-2-5 zlib1g-dev >/dev/null || return 1
   for package in "$into"/apt/*.deb; do dpkg-deb --extract "$package" "$into" || return 1; done
   rm -rf "$into/apt"
   touch "$into/done"
