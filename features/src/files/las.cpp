@@ -25,7 +25,9 @@ Coordinates read_las(std::string_view bytes) {
   const auto minor = value_at<std::uint8_t>(bytes, 25);
   const auto offset = value_at<std::uint32_t>(bytes, 96);
   if ((value_at<std::uint8_t>(bytes, 104) & kCompressed) != 0) {
-    throw FileFault("compressed as LAZ, which is not read: unpack it with 'pdal translate FILE.laz FILE.las'");
+    throw FileFault(
+        "compressed as LAZ, which is not read: unpack it with 'pdal translate FILE.laz FILE.las' or 'laspy decompress "
+        "FILE.laz'");
   }
   const auto record = std::size_t{value_at<std::uint16_t>(bytes, 105)};
   std::uint64_t count = value_at<std::uint32_t>(bytes, 107);
