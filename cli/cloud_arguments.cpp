@@ -1,6 +1,7 @@
 #include "cloud_arguments.hpp"
 
 #include <charconv>
+#include <cmath>
 #include <iterator>
 #include <stdexcept>
 #include <string_view>
@@ -49,10 +50,27 @@ features::MatchOptions matches_of(const std::string& text) {
 
 }  // namespace
 
+std::optional<std::array<double, 3>> viewpoint_of(const char* option, const std::string& text) {
+  if (text == "none") return std::nullopt;
+  std::array<double, 3> place{};
+  const char* at = text.data();
+  const char* const end = text.data() + text.size();
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    const auto [rest, error] = std::from_chars(at, end, place[axis]);
+    const bool ends_well = axis < 2 ? rest != end && *rest == ',' : rest == end;
+    if (error != std::errc() || !ends_well || !std::isfinite(place[axis])) {
+      throw std::invalid_argument(fmt::format("{}: expected X,Y,Z or none, got '{}'", option, text));
+    }
+    at = rest + (axis < 2 ? 1 : 0);
+  }
+  return place;
+}
+
 bool CloudArguments::given() const {
   const CloudArguments defaults;
   return voxel || missing || keypoints != defaults.keypoints || matches != defaults.matches ||
-         !save_correspondences.empty() || no_verification || refine || !save_aligned.empty();
+         target_viewpoint != defaults.target_viewpoint || !save_correspondences.empty() || no_verification || refine ||
+         !save_aligned.empty();
 }
 
 void add_cloud_options(CLI::App& command, CloudArguments& arguments) {
@@ -72,6 +90,15 @@ void add_cloud_options(CLI::App& command, CloudArguments& arguments) {
       ->capture_default_str();
   command.add_option("--missing", arguments.missing,
                      "Of clouds: a point whose three coordinates are this number is none, as depth cameras write it");
+  command
+      .add_option("--source-viewpoint", arguments.source_viewpoint,
+                  "Where the source was scanned from, X,Y,Z in its own frame: matches tend to keep the range about the "
+                  "sensor, and a cloud's surfaces are turned to it; of clouds also none")
+      ->capture_default_str();
+  command
+      .add_option("--target-viewpoint", arguments.target_viewpoint,
+                  "Of clouds: the same of the target, X,Y,Z or none, as of a map of many scans")
+      ->capture_default_str();
 }
 
 void add_refinement_options(CLI::App& command, CloudArguments& arguments) {
@@ -86,7 +113,11 @@ void add_refinement_options(CLI::App& command, CloudArguments& arguments) {
 
 features::CloudMatchingOptions matching_options(const CloudArguments& arguments, std::uint64_t seed) {
   features::CloudMatchingOptions options{
-      .voxel = arguments.voxel, .matches = matches_of(arguments.matches), .seed = seed};
+      .voxel = arguments.voxel,
+      .matches = matches_of(arguments.matches),
+      .seed = seed,
+      .source_viewpoint = viewpoint_of("--source-viewpoint", arguments.source_viewpoint),
+      .target_viewpoint = viewpoint_of("--target-viewpoint", arguments.target_viewpoint)};
   choose_keypoints(arguments.keypoints, options);
   return options;
 }

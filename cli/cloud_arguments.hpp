@@ -1,6 +1,7 @@
 // Clouds on the command line: what becomes of two files of points.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <optional>
 #include <string>
@@ -19,15 +20,21 @@ struct CloudArguments {
   std::string keypoints = "random:5000";
   std::string matches = "mutual:3";
   std::optional<double> missing;
+  std::string target_viewpoint = "0,0,0";
   std::string save_correspondences;
   // What only `register` takes.
   bool no_verification = false;
   std::optional<std::string> refine;
   std::string save_aligned;
+  // What correspondences take as well.
+  std::string source_viewpoint = "0,0,0";
 
   /// Whether any of them was given.
   [[nodiscard]] bool given() const;
 };
+
+/// X,Y,Z, or nothing where the text is "none". Throws std::invalid_argument that names the option on other text.
+[[nodiscard]] std::optional<std::array<double, 3>> viewpoint_of(const char* option, const std::string& text);
 
 void add_cloud_options(CLI::App& command, CloudArguments& arguments);
 

@@ -85,8 +85,8 @@ void check(const Options& options) {
   }
   if (!options.matches_clouds() && options.clouds.given()) {
     throw std::invalid_argument(
-        "--voxel, --keypoints, --matches, --missing, --save-correspondences, --no-verification, --refine and "
-        "--save-aligned are of two clouds, SOURCE and TARGET, that are matched here");
+        "--voxel, --keypoints, --matches, --missing, --target-viewpoint, --save-correspondences, --no-verification, "
+        "--refine and --save-aligned are of two clouds, SOURCE and TARGET, that are matched here");
   }
   if (options.matches_clouds() && options.estimate_scale) {
     throw std::invalid_argument("--estimate-scale: the descriptors of clouds need one unit in both");
@@ -261,6 +261,10 @@ void register_rows(const Options& options, const SolverChoice& choice, const Cor
 int run_register(const Options& options) {
   check(options);
   const SolverChoice choice = choice_of(options.solver, options.settings);
+  const auto viewpoint = viewpoint_of("--source-viewpoint", options.clouds.source_viewpoint);
+  if (!viewpoint && !options.matches_clouds()) {
+    throw std::invalid_argument("--source-viewpoint: of correspondences expected X,Y,Z, got 'none'");
+  }
   RegisterReport report{.file = options.file,
                         .isa = std::string(to_string(active_isa())),
                         .threads = options.threads,
@@ -276,8 +280,9 @@ int run_register(const Options& options) {
                                   : synth::ScaledPose{synth::read_pose(options.truth)};
   }
   CloudPair clouds;
-  const Correspondences correspondences =
+  Correspondences correspondences =
       options.matches_clouds() ? register_pairs(options, choice, clouds, report) : read_rows(options);
+  if (viewpoint) correspondences.set_source_viewpoint(*viewpoint);
   report.correspondences = correspondences.size();
   if (!options.matches_clouds()) {
     with_threads(options.threads, [&] { register_rows(options, choice, correspondences, report); });

@@ -15,9 +15,10 @@ namespace consimd::cli {
 namespace {
 
 // All but --scans itself.
-constexpr const char* kOptions[] = {
-    "--layout",           "--sequences", "--pairs",     "--distance", "--pair-list", "--ground-truth", "--overlap",
-    "--skip-consecutive", "--voxel",     "--keypoints", "--matches",  "--missing",   "--noise-bound"};
+constexpr const char* kOptions[] = {"--layout",      "--sequences",        "--pairs",           "--distance",
+                                    "--pair-list",   "--ground-truth",     "--overlap",         "--skip-consecutive",
+                                    "--voxel",       "--keypoints",        "--matches",         "--missing",
+                                    "--noise-bound", "--source-viewpoint", "--target-viewpoint"};
 
 std::array<double, 2> overlap_of(std::string_view text) {
   std::array<double, 2> shares{};
@@ -76,6 +77,10 @@ void add_scan_options(CLI::App& command, ScanArguments& arguments) {
            "register; the layout's when not given");
   describe("--matches", "Of scans: mutual:K or nearest:K, as of consimd register; mutual:3 when not given");
   describe("--missing", "Of scans: a point whose three coordinates are this number is none");
+  describe("--source-viewpoint",
+           "Of scans: where each pair's source was scanned from, X,Y,Z in its own frame, or none; its origin when not "
+           "given");
+  describe("--target-viewpoint", "Of scans: the same of the target");
 }
 
 std::optional<studies::ScanOptions> scans_of(const CLI::App& command, const ScanArguments& arguments,
@@ -102,6 +107,8 @@ std::optional<studies::ScanOptions> scans_of(const CLI::App& command, const Scan
     options.front_end.iss = given.iss;
   }
   if (command.get_option("--matches")->count() != 0) options.front_end.matches = given.matches;
+  options.front_end.source_viewpoint = given.source_viewpoint;
+  options.front_end.target_viewpoint = given.target_viewpoint;
   return options;
 }
 

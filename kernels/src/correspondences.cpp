@@ -132,6 +132,15 @@ void Correspondences::assign(PointSpan<T> source, PointSpan<T> target) {
   blank_far_rows();
 }
 
+void Correspondences::set_source_viewpoint(const std::array<double, 3>& viewpoint) {
+  for (std::size_t c = 0; c < 3; ++c) {
+    if (std::isfinite(viewpoint[c])) continue;
+    throw std::invalid_argument(std::string("source_viewpoint: coordinate ") + "xyz"[c] + " is " +
+                                std::to_string(viewpoint[c]) + ", expected a finite number");
+  }
+  source_viewpoint_ = viewpoint;
+}
+
 void Correspondences::blank_far_rows() {
   for (const std::uint32_t row : far_rows_) {
     for (std::size_t c = 0; c < 6; ++c) data_[c * padded_ + row] = kPadding;
@@ -174,7 +183,9 @@ Correspondences Correspondences::with_scaled_source(double factor) const {
   }
   Correspondences scaled;
   scaled.source_centroid_ = source_centroid_;
+  scaled.source_viewpoint_ = source_viewpoint_;
   for (double& x : scaled.source_centroid_) x *= factor;
+  for (double& x : scaled.source_viewpoint_) x *= factor;
   scaled.resolution_ = std::max(1.0, factor) * resolution_;
   scaled.far_rows_ = far_rows_;
   scaled.target_centroid_ = target_centroid_;
@@ -200,6 +211,7 @@ void Correspondences::assign_pairs(const Correspondences& parent, std::span<cons
   if (target_rows.data() != source_rows.data()) require_rows(target_rows, parent.size_);
   scale_ = parent.scale_;
   source_centroid_ = parent.source_centroid_;
+  source_viewpoint_ = parent.source_viewpoint_;
   target_centroid_ = parent.target_centroid_;
   resolution_ = parent.resolution_;
   far_rows_.clear();

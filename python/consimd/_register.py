@@ -10,6 +10,8 @@ from consimd import _core
 from consimd._core import Correspondences
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
     import numpy as np
     from numpy.typing import ArrayLike, NDArray
 
@@ -197,6 +199,7 @@ def register(
     threads: int | None = None,
     time_limit: float | None = None,
     assume_inliers: bool = False,
+    source_viewpoint: Sequence[float] | None = None,
     **options: Any,
 ) -> Registration: ...
 def register(
@@ -210,6 +213,7 @@ def register(
     threads: int | None = None,
     time_limit: float | None = None,
     assume_inliers: bool = False,
+    source_viewpoint: Sequence[float] | None = None,
     **options: Any,
 ) -> Registration:
     """Finds the rigid motion that correspondences agree on, most of which may be wrong.
@@ -229,6 +233,8 @@ def register(
     assume_inliers: takes every row as right, three or more: the least-squares pose with the residual of each row, for
         targets that somebody has checked. Nothing is searched or tested: neither noise bound, solver, filter nor option
         is taken.
+    source_viewpoint: (3,), where the source was scanned from, in its own frame; None: at its origin. Matches tend to
+        keep the range about the sensor, and poses that this explains are no success. `Correspondences` have theirs.
     options: the solver's own, see `describe_options(solver)`. `estimate_scale=True` of `pcr99`
         and `teaser` finds the scale of the source as well; it needs a noise bound and no filter.
 
@@ -240,11 +246,14 @@ def register(
     if isinstance(source, Correspondences):
         if target is not None:
             raise TypeError("register() takes no target beside a Correspondences")
+        if source_viewpoint is not None:
+            raise TypeError("register() takes no source_viewpoint beside a Correspondences, which has its own")
         rows = source
     elif target is None:
         raise TypeError("register() needs a target, (N, 3)")
     else:
-        rows = Correspondences(source, target)
+        viewpoint = (0.0, 0.0, 0.0) if source_viewpoint is None else source_viewpoint
+        rows = Correspondences(source, target, source_viewpoint=viewpoint)
     import numpy as np
 
     if assume_inliers:

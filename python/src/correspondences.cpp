@@ -1,6 +1,9 @@
 // Correspondences, and the instruction set that kernels over them run on.
+#include <array>
+#include <memory>
 #include <utility>
 
+#include <nanobind/stl/array.h>
 #include <nanobind/stl/string.h>
 #include <nanobind/stl/string_view.h>
 #include <nanobind/stl/tuple.h>
@@ -15,17 +18,17 @@
 namespace consimd::python {
 namespace {
 
-std::shared_ptr<const Correspondences> correspondences_from(ArrayLike source_like, ArrayLike target_like) {
+std::shared_ptr<Correspondences> correspondences_from(ArrayLike source_like, ArrayLike target_like) {
   Points source(source_like, "source");
   Points target(target_like, "target");
   if (!source.single_precision() || !target.single_precision()) {
     source.widen();
     target.widen();
     const nb::gil_scoped_release unlocked;
-    return std::make_shared<const Correspondences>(source.span<double>(), target.span<double>());
+    return std::make_shared<Correspondences>(source.span<double>(), target.span<double>());
   }
   const nb::gil_scoped_release unlocked;
-  return std::make_shared<const Correspondences>(source.span<float>(), target.span<float>());
+  return std::make_shared<Correspondences>(source.span<float>(), target.span<float>());
 }
 
 /// (N, 3), as the axes lie in memory: a row's coordinates are padded_size() floats apart.
@@ -35,7 +38,7 @@ View<float, -1, 3> points_view(const float* first_axis, const CorrespondenceView
 
 const Correspondences& rows_of(nb::handle self) { return *nb::cast<const SharedCorrespondences&>(self).rows; }
 
-std::tuple<double, double, double> centroid(const std::array<double, 3>& xyz) { return {xyz[0], xyz[1], xyz[2]}; }
+std::tuple<double, double, double> tuple_of(const std::array<double, 3>& xyz) { return {xyz[0], xyz[1], xyz[2]}; }
 
 }  // namespace
 
@@ -69,14 +72,20 @@ void bind_correspondences(nb::module_& module) {
                                     "accuracy. Immutable: make it once and register it many times.")
       .def(
           "__init__",
-          [](SharedCorrespondences* self, ArrayLike source, ArrayLike target) {
-            std::shared_ptr<const Correspondences> rows = correspondences_from(source, target);
+          [](SharedCorrespondences* self, ArrayLike source, ArrayLike target,
+             const std::array<double, 3>& source_viewpoint) {
+            std::shared_ptr<Correspondences> rows = correspondences_from(source, target);
+            rows->set_source_viewpoint(source_viewpoint);
             new (self) SharedCorrespondences{std::move(rows)};
           },
-          nb::arg("source"), nb::arg("target"),
+          nb::arg("source"), nb::arg("target"), nb::kw_only(),
+          nb::arg("source_viewpoint") = std::array<double, 3>{0.0, 0.0, 0.0},
           "Copies corresponding points.\n\n"
           "source, target: (N, 3), any one unit of length. float32 and float64 arrays are read in place, whatever\n"
-          "their strides; others are converted to float64 first. ValueError on another shape, on differing lengths,\n"
+          "their strides; others are converted to float64 first.\n"
+          "source_viewpoint: x, y and z of where the source was scanned from, in its own frame. Matches tend to keep\n"
+          "the range about the sensor, which a verdict allows for.\n"
+          "ValueError on another shape, on differing lengths,\n"
           "and at a coordinate that is not finite, naming its row.")
       .def("__len__", [](const SharedCorrespondences& self) { return self.rows->size(); })
       .def("__repr__",
@@ -93,11 +102,14 @@ void bind_correspondences(nb::module_& module) {
           "scale", [](const SharedCorrespondences& self) { return self.rows->scale(); },
           "Working-frame length of one unit of the caller's, a power of two.")
       .def_prop_ro(
-          "source_centroid", [](const SharedCorrespondences& self) { return centroid(self.rows->source_centroid()); },
+          "source_centroid", [](const SharedCorrespondences& self) { return tuple_of(self.rows->source_centroid()); },
           "x, y and z of the source points' mean, caller's unit.")
       .def_prop_ro(
-          "target_centroid", [](const SharedCorrespondences& self) { return centroid(self.rows->target_centroid()); },
+          "target_centroid", [](const SharedCorrespondences& self) { return tuple_of(self.rows->target_centroid()); },
           "x, y and z of the target points' mean, caller's unit.")
+      .def_prop_ro(
+          "source_viewpoint", [](const SharedCorrespondences& self) { return tuple_of(self.rows->source_viewpoint()); },
+          "x, y and z of where the source was scanned from, caller's frame.")
       .def_prop_ro(
           "words", [](const SharedCorrespondences& self) { return self.rows->view().words(); },
           "64-bit words that a set of bits over the rows takes.")

@@ -141,6 +141,22 @@ class Clouds(CommandTest):
         self.assertIn("noise bound 0.2,", text)
         self.assertIn("voxel         0.15, keypoints random:5000, matches mutual:3", text)
 
+    def test_viewpoints(self):
+        """Clouds in map coordinates: where they were scanned from is told, or that it is nowhere."""
+        source, target = self.clouds()
+        moved = "".join(f"{x + 4e5} {y - 3e5} {z + 100}\n" for x, y, z in room(1))
+        (self.folder / "map.xyz").write_text(moved)
+        turned = [[float(x) for x in line.split()] for line in (self.folder / target).read_text().splitlines()[:-1]]
+        (self.folder / "turned.xyz").write_text("".join(f"{x + 4e5} {y - 3e5} {z + 100}\n" for x, y, z in turned))
+        for places in (("4e5,-3e5,101", "400001,-300000.5,101"), ("4e5,-3e5,101", "none"), ("none", "none")):
+            run = json.loads(self.run_command("register", "map.xyz", "turned.xyz", "--source-viewpoint", places[0],
+                                              "--target-viewpoint", places[1], "--json", "-"))["runs"][0]
+            self.assertEqual(run["status"], "success", places)
+            self.assertAlmostEqual(run["T_target_source"][0][0], math.cos(0.3), delta=0.02)
+        for wrong in ("", "1,2", "1,2,3,4", "1,2,x", "1,2,nan", "1;2;3", "None"):
+            for option in ("--source-viewpoint", "--target-viewpoint"):
+                self.assert_error("register", source, target, option, wrong, says=f"{option}: expected X,Y,Z or none")
+
     def test_refine(self):
         source, target = self.clouds()
         arguments = ("register", source, target, "--voxel", 0.15, "--truth", "pose.txt", "--json", "-")

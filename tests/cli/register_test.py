@@ -344,6 +344,8 @@ class Register(CommandTest):
             for value in ("0", "-1", "x", "1.5", "99999999999"):
                 self.assert_error("register", file, "--noise-bound", 1, option, value, says=option)
         self.assert_error("register", file, "--noise-bound", 1, "--seed", "-1", says="--seed")
+        self.assert_error("register", file, "--source-viewpoint", "none", says="of correspondences expected X,Y,Z")
+        self.assert_error("register", file, "--target-viewpoint", "1,2,3", says="are of two clouds")
 
     def test_unwritable_json(self):
         file = self.write("good.txt", "1 2 3 4 5 6\n" * 5)

@@ -2,8 +2,11 @@
 
 #include <gtest/gtest.h>
 
+#include <array>
 #include <cmath>
+#include <limits>
 #include <random>
+#include <stdexcept>
 #include <string>
 #include <vector>
 
@@ -180,6 +183,21 @@ TEST(Correspondences, GiveSubsetsInTheSameFrame) {
   EXPECT_TRUE(std::isnan(some.view().source(0)[4]));
   EXPECT_TRUE(all.subset({}).empty());
   EXPECT_THROW((void)all.subset(std::vector<std::uint32_t>{100}), std::out_of_range);
+}
+
+TEST(Correspondences, KeepTheViewpointThatTheyAreTold) {
+  const std::vector<double> p = any_points(10, 10.0, 3.0, 9);
+  Correspondences all(PointSpan<double>::interleaved(p.data(), 10), PointSpan<double>::interleaved(p.data(), 10));
+  EXPECT_EQ(all.source_viewpoint(), (std::array<double, 3>{}));
+  const std::array<double, 3> viewpoint{4.0, -5e6, 0.25};
+  all.set_source_viewpoint(viewpoint);
+  EXPECT_EQ(all.source_viewpoint(), viewpoint);
+  EXPECT_EQ(all.subset(std::vector<std::uint32_t>{7, 2, 1}).source_viewpoint(), viewpoint);
+  EXPECT_EQ(all.with_scaled_source(2.0).source_viewpoint(), (std::array<double, 3>{8.0, -1e7, 0.5}));
+  for (const double bad : {std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::infinity()}) {
+    EXPECT_THROW(all.set_source_viewpoint({0.0, bad, 0.0}), std::invalid_argument);
+  }
+  EXPECT_EQ(all.source_viewpoint(), viewpoint);
 }
 
 }  // namespace

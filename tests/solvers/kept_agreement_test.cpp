@@ -20,15 +20,18 @@ struct AtPose {
   std::vector<detail::Chances> kept;
 };
 
-AtPose chances_at(const Problem& problem, const RigidTransform& pose) {
-  const Correspondences correspondences = problem.correspondences();
+AtPose chances_at(const Correspondences& correspondences, const RigidTransform& pose, double sigma) {
   const CorrespondenceView view = correspondences.view();
-  const double bound = synth::noise_study_bound(problem.sigma);
+  const double bound = synth::noise_study_bound(sigma);
   const WorkingPose working = detail::scored(correspondences, pose, bound).pose;
   const detail::MatchedPoints matched(view, working, bound);
   const detail::Chances at_random =
       detail::random_chances(view, working, bound, bound, 4096, 32, detail::RareHits::extrapolated, matched);
   return {at_random, detail::kept_chances(correspondences, working, bound, bound, at_random, matched)};
+}
+
+AtPose chances_at(const Problem& problem, const RigidTransform& pose) {
+  return chances_at(problem.correspondences(), pose, problem.sigma);
 }
 
 double largest(const AtPose& at) {
@@ -75,6 +78,28 @@ TEST(KeptChances, AreNoLessThanThoseOfRandomPairing) {
       }
     }
   }
+}
+
+TEST(KeptChances, OfRangesAreThoseAboutTheViewpoint) {
+  // What a sensor sees ahead of it, in map coordinates: neither their origin nor the middle of the points is the
+  // sensor.
+  const std::array<double, 3> sensor{4e5, -3e5, 100.0};
+  const Problem problem = synth::hard_problem({.correspondences = 800,
+                                               .outlier_ratio = 1.0,
+                                               .sigma = 0.1,
+                                               .half_extent = 40.0,
+                                               .outliers = synth::OutlierModel::alike,
+                                               .source_offset = sensor});
+  std::vector<std::uint32_t> ahead;
+  for (std::uint32_t row = 0; row < problem.size(); ++row) {
+    if (source_point(problem, row).x() > sensor[0]) ahead.push_back(row);
+  }
+  Correspondences rows = problem.correspondences().subset(ahead);
+  EXPECT_TRUE(chances_at(rows, problem.decoy_T_target_source, problem.sigma).kept.empty());
+  rows.set_source_viewpoint(sensor);
+  const AtPose at = chances_at(rows, problem.decoy_T_target_source, problem.sigma);
+  EXPECT_FALSE(at.kept.empty());
+  EXPECT_GT(largest(at), 10.0 * at.at_random.support.front());
 }
 
 TEST(KeptChances, AreNoneWhereNothingIsKept) {

@@ -156,6 +156,7 @@ void take_points(const Side& source, const Side& target, CloudMatches& result) {
     return PointSpan<double>::interleaved(points.empty() ? nullptr : points.front().data(), points.size());
   };
   result.correspondences = Correspondences(span(result.source_points), span(result.target_points));
+  if (source.viewpoint) result.correspondences.set_source_viewpoint(*source.viewpoint);
 }
 
 // Rounded to two decimal digits.

@@ -15,15 +15,15 @@ SourceCoordinates::SourceCoordinates(const Correspondences& correspondences, std
     scatter += source * source.transpose();
   }
   principal_ = Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(scatter).eigenvectors().transpose();
-  const auto& centroid = correspondences.source_centroid();
-  origin_ = -view.scale() * Eigen::Vector3d(centroid[0], centroid[1], centroid[2]);
+  viewpoint_ = view.scale() * (Eigen::Vector3d(correspondences.source_viewpoint().data()) -
+                               Eigen::Vector3d(correspondences.source_centroid().data()));
 }
 
 std::array<float, kCoordinates> SourceCoordinates::operator()(const Point& point) const {
   const Eigen::Vector3d source(point.x, point.y, point.z);
   const Eigen::Vector3d along = principal_ * source;
   return {static_cast<float>(along[0]), static_cast<float>(along[1]), static_cast<float>(along[2]),
-          static_cast<float>((source - origin_).norm()), static_cast<float>(source.norm())};
+          static_cast<float>((source - viewpoint_).norm()), static_cast<float>(source.norm())};
 }
 
 }  // namespace consimd::detail

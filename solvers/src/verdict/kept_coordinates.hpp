@@ -14,8 +14,8 @@
 
 namespace consimd::detail {
 
-/// Positions along the axes of least, middle and greatest spread of the sources, distances from the origin of the
-/// caller's frame and from the centroid.
+/// Positions along the axes of least, middle and greatest spread of the sources, distances from their viewpoint and
+/// from the centroid.
 enum class Coordinate : std::uint8_t { least, middle, greatest, range, from_centroid };
 inline constexpr std::size_t kCoordinates = 5;
 constexpr std::size_t index_of(Coordinate c) { return static_cast<std::size_t>(c); }
@@ -56,7 +56,7 @@ class SourceCoordinates {
 
  private:
   Eigen::Matrix3d principal_;  // the axes, row by row
-  Eigen::Vector3d origin_;     // of the caller's frame
+  Eigen::Vector3d viewpoint_;
 };
 
 }  // namespace consimd::detail

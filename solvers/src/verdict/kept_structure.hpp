@@ -13,7 +13,7 @@ namespace consimd::detail {
 
 /// Strata by everything that matchers are known to keep of a place, each alone and together: the position along the
 /// principal axes of the sources (height, position along a wall or in a corridor's cross-section), the distance from
-/// the origin of the caller's frame and from the centroid (the range about a sensor, wherever it is; nothing is lost
+/// their viewpoint and from the centroid (the range about a sensor, wherever it is; nothing is lost
 /// where there is none), and the position itself (clusters, surfaces, lines). Rows are cut into the strata of a kind
 /// when these are first asked for, at whatever bound. Not for several threads at a time.
 class KeptStructure {

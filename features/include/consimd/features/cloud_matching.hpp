@@ -39,7 +39,8 @@ struct CloudMatchingOptions {
   MatchOptions matches = {};
   /// Which points are drawn depends on it and on nothing else.
   std::uint64_t seed = 1;
-  /// Where the scans were taken from, each in its cloud's frame (see normals.hpp).
+  /// Where the scans were taken from, each in its cloud's frame: normals are turned there (see normals.hpp), and the
+  /// source's goes to the correspondences.
   std::optional<std::array<double, 3>> source_viewpoint = std::array<double, 3>{0.0, 0.0, 0.0};
   std::optional<std::array<double, 3>> target_viewpoint = std::array<double, 3>{0.0, 0.0, 0.0};
 };

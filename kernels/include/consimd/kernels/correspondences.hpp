@@ -113,8 +113,8 @@ class Correspondences {
   void assign_pairs(const Correspondences& parent, std::span<const std::uint32_t> source_rows,
                     std::span<const std::uint32_t> target_rows);
 
-  /// The same correspondences with source points multiplied by `factor`, about the origin of their frame. Coordinates
-  /// are rounded once more. Throws std::invalid_argument unless the factor is finite and > 0.
+  /// The same correspondences with source points, and their viewpoint, multiplied by `factor`, about the origin of
+  /// their frame. Coordinates are rounded once more. Throws std::invalid_argument unless the factor is finite and > 0.
   [[nodiscard]] Correspondences with_scaled_source(double factor) const;
 
   [[nodiscard]] std::size_t size() const noexcept { return size_; }
@@ -125,6 +125,13 @@ class Correspondences {
   [[nodiscard]] const std::array<double, 3>& source_centroid() const noexcept { return source_centroid_; }
   [[nodiscard]] const std::array<double, 3>& target_centroid() const noexcept { return target_centroid_; }
   [[nodiscard]] double scale() const noexcept { return scale_; }
+
+  /// Where the source cloud was taken from, in the caller's source frame: its origin unless told otherwise. No kernel
+  /// reads it, and no pose depends on it; whether a pose is believed may, since matches of a scan tend to keep the
+  /// range about its sensor.
+  [[nodiscard]] const std::array<double, 3>& source_viewpoint() const noexcept { return source_viewpoint_; }
+  /// Throws std::invalid_argument at a coordinate that is not finite.
+  void set_source_viewpoint(const std::array<double, 3>& viewpoint);
 
   /// Rows that are far from all others, ascending: NaN in the working frame. Most often none.
   [[nodiscard]] std::span<const std::uint32_t> far_rows() const noexcept { return far_rows_; }
@@ -153,6 +160,7 @@ class Correspondences {
   double resolution_ = 0.0;
   std::array<double, 3> source_centroid_{};
   std::array<double, 3> target_centroid_{};
+  std::array<double, 3> source_viewpoint_{};
   std::vector<std::uint32_t> far_rows_;
 };
 
