@@ -17,7 +17,8 @@ ROOT = pathlib.Path(__file__).parents[2]
 CPP_ALONE = {
     "kernels": {"to_string", "parse_isa", "gather", "pcl_correspondences", "matches_subset", "working_length",
                 "neighbours_within", "neighbourhood_scatter", "principal_axes", "pair_feature_counts",
-                 "weighted_histogram_sum", "best_matches", "nearest_within"}
+                 "weighted_histogram_sum", "best_matches", "nearest_within",
+                "move_pairs", "pair_residuals", "pair_equations"}
     # What elementary_functions.hpp has is of the library's own use; NumPy has such.
     | {"log", "log10", "log1p", "exp", "expm1", "tanh", "cbrt", "sine_cosine", "atan2", "asin", "acos"},
     "poses": {"column_points", "row_points", "points_of", "point_pairs"},

@@ -28,6 +28,16 @@ CellGrid::CellGrid(const Cloud& cloud, double cell) : cell_(cell) {
     firsts_.push_back(row);
   }
   firsts_.push_back(static_cast<std::uint32_t>(order_.size()));
+  if (keys_.empty()) return;
+  // About two buckets a cell: most hold one cell or none.
+  while (keys_.back() >> bucket_bits_ >= 2 * keys_.size()) ++bucket_bits_;
+  buckets_.resize((keys_.back() >> bucket_bits_) + 2, static_cast<std::uint32_t>(keys_.size()));
+  for (std::size_t c = keys_.size(); c-- > 0;) {
+    buckets_[keys_[c] >> bucket_bits_] = static_cast<std::uint32_t>(c);
+  }
+  for (std::size_t bucket = buckets_.size() - 1; bucket-- > 0;) {
+    buckets_[bucket] = std::min(buckets_[bucket], buckets_[bucket + 1]);
+  }
 }
 
 NeighbourLists radius_neighbours(const CellGrid& grid, std::span<const std::uint32_t> rows, double radius) {

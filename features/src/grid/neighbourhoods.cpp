@@ -7,33 +7,6 @@
 #include <string>
 
 namespace consimd::features::detail {
-namespace {
-
-/// The first cell whose key is not below `key`: near `from` as a rule.
-std::size_t first_not_below(const CellGrid& grid, std::size_t from, std::uint64_t key) {
-  std::size_t low = from;
-  std::size_t high = from;
-  for (std::size_t step = 1; high < grid.cells() && grid.key(high) < key; step *= 2) {
-    low = high + 1;
-    high = std::min(grid.cells(), high + step);
-  }
-  for (std::size_t step = 1; low > 0 && low == high && grid.key(low - 1) >= key; step *= 2) {
-    high = low - 1;
-    low = high - std::min(high, step);
-    if (grid.key(low) >= key) high = low;
-  }
-  while (low < high) {
-    const std::size_t middle = low + (high - low) / 2;
-    if (grid.key(middle) < key) {
-      low = middle + 1;
-    } else {
-      high = middle;
-    }
-  }
-  return low;
-}
-
-}  // namespace
 
 CellWalk::CellWalk(const CellGrid& grid)
     : grid_(grid), cell_per_length_(grid.cells_along(0, 1.0f) - grid.cells_along(0, 0.0f)) {
@@ -41,6 +14,11 @@ CellWalk::CellWalk(const CellGrid& grid)
   const auto& strides = grid.strides();
   const std::uint64_t rows = strides[2] / strides[1];
   furthest_ = {static_cast<double>(strides[1]) - 2.0, static_cast<double>(rows) - 2.0, 0x1p20};
+}
+
+std::size_t CellWalk::end_of_run(std::size_t begin, std::uint64_t key) const {
+  while (begin < grid_.cells() && grid_.key(begin) < key) ++begin;
+  return begin;
 }
 
 std::span<const PointRun> CellWalk::runs_around(std::size_t cell) {
@@ -51,9 +29,8 @@ std::span<const PointRun> CellWalk::runs_around(std::size_t cell) {
   for (std::size_t row = 0; row < 9; ++row) {
     // The layers of empty cells around the cloud keep these above 0 and within their rows.
     const std::uint64_t first = centre + (row % 3) * strides[1] + (row / 3) * strides[2] - strides[1] - strides[2] - 1;
-    begins_[row] = first_not_below(grid_, begins_[row], first);
-    ends_[row] = first_not_below(grid_, std::max(begins_[row], ends_[row]), first + 3);
-    const PointRun run{grid_.first(begins_[row]), grid_.first(ends_[row])};
+    const std::size_t begin = grid_.first_not_below(first);
+    const PointRun run{grid_.first(begin), grid_.first(end_of_run(begin, first + 3))};
     if (run.first == run.last) continue;
     points_ += run.last - run.first;
     if (count > 0 && runs_[count - 1].last == run.first) {
@@ -68,29 +45,24 @@ std::span<const PointRun> CellWalk::runs_around(std::size_t cell) {
 std::span<const PointRun> CellWalk::runs_within(const std::array<float, 3>& point, double radius) {
   // A little more than asked for, so that rounding leaves out no point at the very radius.
   const double reach = (1.0 + 1e-5) * radius * grid_.cloud().scale() * cell_per_length_;
-  std::array<std::int64_t, 3> low{}, high{}, own{};
+  std::array<std::int64_t, 3> low{}, high{};
   for (std::size_t c = 0; c < 3; ++c) {
     const double place = grid_.cells_along(c, point[c]);
     if (!(place >= -1.0 && place <= furthest_[c] + 1.0)) return {};
     // Cells from 1 on, as keys count them: beyond the layers of empty cells there is nothing.
     low[c] = static_cast<std::int64_t>(std::max(place - reach, 0.0)) + 1;
     high[c] = static_cast<std::int64_t>(std::max(std::min(place + reach, furthest_[c]), -1.0) + 1.0);
-    own[c] = static_cast<std::int64_t>(place + 1.0);
   }
   if (high[0] < low[0]) return {};
   const auto stride = [&](std::size_t c) { return static_cast<std::int64_t>(grid_.strides()[c]); };
   std::size_t count = 0;
   for (std::int64_t z = low[2]; z <= high[2]; ++z) {
     for (std::int64_t y = low[1]; y <= high[1]; ++y) {
-      // Where this row of cells was found for the last point is near where it is for this one.
-      const auto row = static_cast<std::size_t>(std::clamp<std::int64_t>(3 * (z - own[2]) + (y - own[1]) + 4, 0, 8));
       const std::int64_t base = z * stride(2) + y * stride(1);
-      begins_[row] = first_not_below(grid_, begins_[row], static_cast<std::uint64_t>(base + low[0]));
-      std::size_t end = begins_[row];
-      const auto behind = static_cast<std::uint64_t>(base + high[0] + 1);
-      while (end < grid_.cells() && grid_.key(end) < behind) ++end;
-      if (end == begins_[row] || count == runs_.size()) continue;
-      runs_[count++] = {grid_.first(begins_[row]), grid_.first(end)};
+      const std::size_t begin = grid_.first_not_below(static_cast<std::uint64_t>(base + low[0]));
+      const std::size_t end = end_of_run(begin, static_cast<std::uint64_t>(base + high[0] + 1));
+      if (end == begin || count == runs_.size()) continue;
+      runs_[count++] = {grid_.first(begin), grid_.first(end)};
     }
   }
   return std::span(runs_).first(count);

@@ -15,7 +15,7 @@
 
 namespace consimd::features::detail {
 
-/// The runs of points around one place after another, fastest where each is near the last.
+/// The runs of points around one place after another.
 class CellWalk {
  public:
   explicit CellWalk(const CellGrid& grid);
@@ -31,12 +31,12 @@ class CellWalk {
   [[nodiscard]] std::size_t points() const noexcept { return points_; }
 
  private:
+  /// The first cell from `begin` on whose key is not below `key`, one of the next few.
+  [[nodiscard]] std::size_t end_of_run(std::size_t begin, std::uint64_t key) const;
+
   const CellGrid& grid_;
   double cell_per_length_;            // of the working frame
   std::array<double, 3> furthest_{};  // cells along each axis that can be next to one of the cloud's
-  // for each of the nine rows of cells, where its three cells begin and end
-  std::array<std::size_t, 9> begins_{};
-  std::array<std::size_t, 9> ends_{};
   std::array<PointRun, 9> runs_{};
   std::size_t points_ = 0;
 };

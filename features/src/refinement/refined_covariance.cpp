@@ -6,6 +6,8 @@
 
 #include <Eigen/Cholesky>
 
+#include <consimd/kernels/pair_equations.hpp>
+
 namespace consimd::features::detail {
 namespace {
 
@@ -23,7 +25,7 @@ struct Group {
 };
 
 struct Place {
-  Eigen::Vector3d arm;
+  float point[3];
   std::uint32_t entry;
 };
 
@@ -34,21 +36,49 @@ void halve(std::vector<Place>& places, std::size_t begin, std::size_t end, int h
     ends.push_back(end);
     return;
   }
-  Eigen::Vector3d low = Eigen::Vector3d::Constant(2.0), high = -low;
-  for (std::size_t k = begin; k < end; ++k) {
-    low = low.cwiseMin(places[k].arm);
-    high = high.cwiseMax(places[k].arm);
+  std::size_t axis = 0;
+  float longest = -1.0f;
+  for (std::size_t c = 0; c < 3; ++c) {
+    float low = places[begin].point[c], high = low;
+    for (std::size_t k = begin; k < end; ++k) {
+      low = std::min(low, places[k].point[c]);
+      high = std::max(high, places[k].point[c]);
+    }
+    if (high - low > longest) {
+      longest = high - low;
+      axis = c;
+    }
   }
-  Eigen::Index axis = 0;
-  (high - low).maxCoeff(&axis);
   const std::size_t middle = begin + (end - begin) / 2;
   const auto at = [&](std::size_t k) { return places.begin() + static_cast<std::ptrdiff_t>(k); };
   // Equal ones by their number, so that the halves are the same with any library.
   std::nth_element(at(begin), at(middle), at(end), [axis](const Place& a, const Place& b) {
-    return a.arm[axis] < b.arm[axis] || (a.arm[axis] == b.arm[axis] && a.entry < b.entry);
+    return a.point[axis] < b.point[axis] || (a.point[axis] == b.point[axis] && a.entry < b.entry);
   });
   halve(places, begin, middle, halvings - 1, ends);
   halve(places, middle, end, halvings - 1, ends);
+}
+
+/// Over these entries alone.
+NormalEquations sum_of(const ClosestPairs& pairs, const CloudView& target, const PairProblem& problem,
+                       std::span<const Place> places) {
+  NormalEquations sum;
+  PairBlock chosen;
+  for (std::size_t begin = 0; begin < places.size(); begin += PairBlock::kSize) {
+    const std::size_t count = std::min(PairBlock::kSize, places.size() - begin);
+    for (std::size_t k = 0; k < count; ++k) {
+      const Place& place = places[begin + k];
+      const PairBlock& block = pairs.block(place.entry / PairBlock::kSize);
+      const std::size_t entry = place.entry % PairBlock::kSize;
+      for (std::size_t c = 0; c < 3; ++c) {
+        chosen.points[c][k] = place.point[c];
+        chosen.normals[c][k] = block.normals[c][entry];
+      }
+      chosen.rows[k] = block.rows[entry];
+    }
+    sum += pair_equations(target, chosen, count, problem);
+  }
+  return sum;
 }
 
 /// Mean square of the groups' scores, whitened, over that of independent residuals.
@@ -65,23 +95,23 @@ double mean_square(const std::vector<Group>& groups, const Eigen::LLT<Matrix6d>&
 
 }  // namespace
 
-double shared_error_factor(const ClosestPairs& pairs, const PairTerms& terms, double scale,
-                           const NormalEquations& sums) {
+double shared_error_factor(const ClosestPairs& pairs, const CloudView& target, const PairProblem& problem,
+                           std::span<const float> squared, const NormalEquations& sums) {
   std::vector<Place> places;
-  PairTerm term;
+  places.reserve(sums.pairs);
   for (std::uint32_t i = 0; i < pairs.size(); ++i) {
-    if (terms.term(i, term)) places.push_back({term.arm, i});
+    if (!(squared[i] >= 0.0f)) continue;
+    const auto& points = pairs.block(i / PairBlock::kSize).points;
+    const std::size_t k = i % PairBlock::kSize;
+    places.push_back({{points[0][k], points[1][k], points[2][k]}, i});
   }
   // Groups of fewer pairs than a pose has freedoms tell nothing.
   if (places.size() < 6 * kGroups) return 1.0;
   std::vector<std::size_t> ends;
   halve(places, 0, places.size(), kHalvings, ends);
   std::vector<Group> groups(ends.size());
-  for (std::size_t g = 0, k = 0; g < groups.size(); ++g) {
-    NormalEquations part;
-    for (; k < ends[g]; ++k) {
-      if (terms.term(places[k].entry, term)) part.add(term, scale * scale);
-    }
+  for (std::size_t g = 0, begin = 0; g < groups.size(); begin = ends[g++]) {
+    const NormalEquations part = sum_of(pairs, target, problem, std::span(places).subspan(begin, ends[g] - begin));
     groups[g] = {part.score, Matrix6d(part.normal.selfadjointView<Eigen::Lower>())};
   }
   const Eigen::LLT<Matrix6d> factors(sums.normal);  // reads the lower triangle

@@ -1,6 +1,8 @@
 // How far a refined pose may be from the true one.
 #pragma once
 
+#include <span>
+
 #include <consimd/features/refinement.hpp>
 
 #include "refinement/normal_equations.hpp"
@@ -16,8 +18,9 @@ namespace consimd::features::detail {
 /// itself, G times its part in the mean, and larger still by F_8 / F_64 where errors reach further than from one scale
 /// to the next:
 ///   1 + G (F_8 - 1) max(1, F_8 / F_64)
-[[nodiscard]] double shared_error_factor(const ClosestPairs& pairs, const PairTerms& terms, double scale,
-                                         const NormalEquations& sums);
+/// squared: as `squared_residuals` has them; sums: over all pairs.
+[[nodiscard]] double shared_error_factor(const ClosestPairs& pairs, const CloudView& target, const PairProblem& problem,
+                                         std::span<const float> squared, const NormalEquations& sums);
 
 /// Covariance of (omega, tau) about the centre of the normal equations if residuals are independent, working frame:
 /// Huber's sandwich, with the spread of the scores and their slope as observed.

@@ -4,6 +4,7 @@
 #include "cloud_kernels.hpp"
 #include "descriptor_matches-inl.hpp"
 #include "neighbourhoods-inl.hpp"
+#include "pair_equations-inl.hpp"
 #include "pair_features-inl.hpp"
 
 namespace consimd::detail {
@@ -17,6 +18,9 @@ inline constexpr CloudKernels kCloudKernels{
     .pair_feature_counts = pair_feature_counts<Arch>,
     .weighted_histogram_sum = weighted_histogram_sum<Arch>,
     .best_matches = best_matches<Arch>,
+    .move_pairs = move_pairs<Arch>,
+    .pair_residuals = pair_residuals<Arch>,
+    .pair_equations = pair_equations<Arch>,
 };
 
 }  // namespace consimd::detail

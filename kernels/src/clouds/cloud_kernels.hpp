@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <cstdint>
 
+#include <consimd/kernels/pair_block.hpp>
 #include <consimd/kernels/point_run.hpp>
 
 namespace consimd::detail {
@@ -61,7 +62,18 @@ struct CloudKernels {
   void (*best_matches)(const RawDescriptors& queries, std::size_t first, std::size_t last,
                        const RawDescriptors& targets, std::size_t k, const RawMatches& of_queries,
                        const RawMatches& of_targets);
+  /// stale: PairBlock::kSize bits.
+  void (*move_pairs)(PairBlock&, std::size_t n, const WorkingMotion&, std::uint64_t* stale);
+  void (*pair_residuals)(const RawPoints& target, const PairBlock&, std::size_t n, const PairProblem&, float* squared);
+  void (*pair_equations)(const RawPoints& target, const PairBlock&, std::size_t n, const PairProblem&, PairEquations&);
 };
+
+/// Distances in the working frame, whose coordinates are at most 1, are known to about this.
+inline constexpr float kDistanceRounding = 0x1p-21f;
+/// Cauchy's constant, in deviations, of 95 % efficiency for Gaussian residuals.
+inline constexpr float kCauchy = 2.3849f;
+/// Variance along a normal over that across, as PairMetric::gicp has it.
+inline constexpr float kAlongNormal = 1e-3f;
 
 /// Bins of each of the three pair features.
 inline constexpr std::size_t kFeatureBins = 11;
@@ -87,6 +99,9 @@ void weighted_histogram_sum(const float* histograms, const std::uint32_t* rows, 
                             float* sum);
 void best_matches(const RawDescriptors& queries, std::size_t first, std::size_t last, const RawDescriptors& targets,
                   std::size_t k, const RawMatches& of_queries, const RawMatches& of_targets);
+void move_pairs(PairBlock&, std::size_t n, const WorkingMotion&, std::uint64_t* stale);
+void pair_residuals(const RawPoints& target, const PairBlock&, std::size_t n, const PairProblem&, float* squared);
+void pair_equations(const RawPoints& target, const PairBlock&, std::size_t n, const PairProblem&, PairEquations&);
 
 inline constexpr CloudKernels kCloudKernels{
     .neighbours_within = neighbours_within,
@@ -96,6 +111,9 @@ inline constexpr CloudKernels kCloudKernels{
     .pair_feature_counts = pair_feature_counts,
     .weighted_histogram_sum = weighted_histogram_sum,
     .best_matches = best_matches,
+    .move_pairs = move_pairs,
+    .pair_residuals = pair_residuals,
+    .pair_equations = pair_equations,
 };
 }  // namespace scalar
 

@@ -37,6 +37,22 @@ class CellGrid {
   [[nodiscard]] std::uint64_t key(std::size_t cell) const noexcept { return keys_[cell]; }
   /// First row of a cell, and the number of rows at cells().
   [[nodiscard]] std::uint32_t first(std::size_t cell) const noexcept { return firsts_[cell]; }
+  /// The first cell whose key is not below `key`, cells() where there is none.
+  [[nodiscard]] std::size_t first_not_below(std::uint64_t key) const noexcept {
+    const std::uint64_t bucket = key >> bucket_bits_;
+    if (bucket + 1 >= buckets_.size()) return keys_.size();
+    std::size_t low = buckets_[bucket];
+    std::size_t high = buckets_[bucket + 1];
+    while (low < high) {
+      const std::size_t middle = low + (high - low) / 2;
+      if (keys_[middle] < key) {
+        low = middle + 1;
+      } else {
+        high = middle;
+      }
+    }
+    return low;
+  }
   /// What is added to a key to come to the next cell along an axis.
   [[nodiscard]] const std::array<std::uint64_t, 3>& strides() const noexcept { return strides_; }
   /// How many cells a coordinate of the working frame lies beyond the lowest one of the cloud; the key of a place
@@ -51,6 +67,9 @@ class CellGrid {
   std::vector<std::uint32_t> order_;
   std::vector<std::uint64_t> keys_;
   std::vector<std::uint32_t> firsts_;
+  // Entry b: the first cell whose key is not below b << bucket_bits_; the last one is the number of cells.
+  std::vector<std::uint32_t> buckets_;
+  unsigned bucket_bits_ = 0;
   std::array<std::uint64_t, 3> strides_{};
   std::array<double, 3> low_{};
   double per_length_ = 0.0;
