@@ -12,9 +12,9 @@
 #include <consimd/studies/build_info.hpp>
 #include "bench_options.hpp"
 #include "clock_benchmark.hpp"
+#include "cloud_benchmarks.hpp"
 #include "graph_benchmarks.hpp"
 #include "kernel_benchmarks.hpp"
-#include "refinement_benchmarks.hpp"
 #include "registration_benchmarks.hpp"
 
 namespace {
@@ -65,7 +65,7 @@ int main(int argc, char** argv) try {
   consimd::bench::register_clock_benchmark();
   consimd::bench::register_kernel_benchmarks(options);
   consimd::bench::register_graph_benchmarks();
-  consimd::bench::register_refinement_benchmarks();
+  consimd::bench::register_cloud_benchmarks();
   consimd::bench::register_registration_benchmarks();
   explain_warning();
   if (benchmark::RunSpecifiedBenchmarks() == 0) {
