@@ -13,7 +13,7 @@ import struct
 import time
 import unittest
 
-from command import CommandTest
+from command import PLOTTER, CommandTest
 
 DATA = os.environ.get("CONSIMD_TEST_DATA")
 # How KITTI's cameras look: x to the right, y down, z ahead; the scanner is above and behind.
@@ -117,6 +117,19 @@ class Scans(CommandTest):
             self.assertEqual((one[0], one[2:]), ("KITTI_03_" + other[0], other[2:]))
             self.assertAlmostEqual(float(one[1]), float(other[1]), places=9)  # the pose went through a file
         self.assertEqual({row["success"] for row in self.rows("d/runs.csv")}, {"0"})
+
+    @unittest.skipIf(PLOTTER is None, "no Python with matplotlib")
+    def test_figure(self):
+        self.draw_for_real()
+        tables = ["--table", "solvers,pipeline", "--solver", "tcf,ransac", "--out", "c"]
+        self.assertIn("figure: c/comparison.svg (and .png)", self.run_command(*self.small_kitti(), *tables))
+        drawn = (self.folder / "c/comparison.svg").read_text()
+        # Two of two: 34.2 to 100 %. Both solvers, from correspondences and from the scans, on the one group.
+        self.assertEqual(drawn.count("<!-- 100 % -->"), 4)
+        for text in ("recall (%) with its 95 % interval (Wilson)", "KITTI 03", "scans+tcf", "scans+ransac",
+                     "tcf − scans+tcf"):  # fmt: skip
+            self.assertIn(text, drawn)
+        self.assertTrue((self.folder / "c/comparison.png").read_bytes().startswith(b"\x89PNG"))
 
     def test_same_results_for_any_threads(self):
         compare = [*self.small_kitti(), "--table", "solvers,pipeline", "--solver", "tcf"]

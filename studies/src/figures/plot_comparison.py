@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 """Draws who solves what others do not, and how recall grows with the limit of success, of the pairs.csv and curves.csv of
-a noise study or a comparison.
+a noise study or a comparison; of the latter the recall of each method on each group of cases as well.
 
 Usage: plot_comparison.py DIR      writes DIR/comparison.svg and DIR/comparison.png
 """
@@ -18,6 +18,7 @@ ALL_GROUPS = "all groups"
 COLOURS = ["#0072B2", "#E69F00", "#009E73", "#D55E00", "#CC79A7", "#56B4E9", "#000000"]
 STROKES = ["-", (0, (4, 2)), (0, (1, 1.5))]
 ROW = 0.17  # inches of a pair
+RECALL_ROW = 0.11  # inches of a group's method
 CURVES = 1.9  # inches of a row of curves
 MOST_CURVES = 4  # panels in a row
 LEGEND_ROW = 0.16  # inches of a row of the legend
@@ -74,6 +75,27 @@ def style_of(k):
     return {"color": COLOURS[k % len(COLOURS)], "linestyle": STROKES[k // len(COLOURS) % len(STROKES)]}
 
 
+def draw_recall(ax, curves, labels, solvers):
+    """A line a group and solver: its recall with the interval. Curves that lie on one another are told apart here."""
+    for g, (cell, label) in enumerate(labels.items()):
+        top = g * (len(solvers) + 1)
+        for k, solver in enumerate(solvers):
+            mine = [row for row in curves if cell_of(row) == cell and row["solver"] == solver]
+            if not mine:
+                continue  # did not run on this group
+            row = min(mine, key=lambda row: abs(float(row["threshold"]) - 1))
+            value, low, high = (100 * float(row["recall" + end]) for end in ("", "_low", "_high"))
+            ax.plot([low, high], [top + k] * 2, linewidth=1.2, **style_of(k))
+            ax.plot([value], [top + k], "o", color=style_of(k)["color"], markersize=3.5)
+            ax.text(1.02, top + k, f"{value:.3g} %", transform=ax.get_yaxis_transform(), va="center", fontsize=6)
+        ax.text(-0.01, top + (len(solvers) - 1) / 2, label, transform=ax.get_yaxis_transform(), va="center", ha="right",
+                fontsize=6)  # fmt: skip
+    ax.set_yticks([])
+    ax.set_ylim(len(labels) * (len(solvers) + 1) - 1.5, -1)
+    ax.set_xlim(-2, 102)
+    ax.set_xlabel("recall (%) with its 95 % interval (Wilson)", fontsize=7)
+
+
 def draw_curves(axes, curves, labels, solvers):
     for ax, (cell, label) in zip(axes.flat, labels.items()):
         rows = [row for row in curves if cell_of(row) == cell]
@@ -105,8 +127,13 @@ def draw_comparison(folder):
     rows = -(-len(labels) // columns)
     keys = min(5, len(solvers))
     heights = [ROW * len(pairs) + 0.5, CURVES * rows, LEGEND_ROW * (-(-len(solvers) // keys) + 1)]
+    of_groups = "group" in curves[0]
+    if of_groups:
+        heights.insert(0, RECALL_ROW * len(labels) * (len(solvers) + 1) + 0.5)
     figure = plt.figure(figsize=(PAGE_WIDTH, sum(heights)), layout="constrained")
-    above, below, strip = figure.subfigures(3, 1, height_ratios=heights)
+    *top, above, below, strip = figure.subfigures(len(heights), 1, height_ratios=heights)
+    if of_groups:
+        draw_recall(top[0].subplots(), curves, labels, solvers)
     draw_differences(above.subplots(), pairs, {**labels, (ALL_GROUPS,): ALL_GROUPS})
     draw_curves(below.subplots(rows, columns, squeeze=False, sharex=True, sharey=True), curves, labels, solvers)
     handles = [plt.Line2D([], [], label=solver, **style_of(k)) for k, solver in enumerate(solvers)]
