@@ -1,18 +1,21 @@
 #!/usr/bin/env python3
-"""Holds consimd's way from two scans to a pose beside those of Open3D and KISS-Matcher: times, true matches, poses found.
+"""Holds consimd's way from two scans to a pose beside those of Open3D, KISS-Matcher and PCL: times, true matches, poses found.
 
-front_ends.py CONSIMD PAIRS [--rounds N] [--cpu K]
+front_ends.py CONSIMD PAIRS [--pcl PROGRAM] [--rounds N] [--cpu K]
 
 CONSIMD: the command. PAIRS: a JSON list of {"name", "source", "target", "voxel", "T_target_source"}, whose files lie beside
 it (PLY, PCD, KITTI's .bin). All run on one core, one after another in each round, so that ratios come from like moments;
-prints tables in Markdown. Needs a Python with the peers: pip install open3d kiss-matcher numpy.
+prints tables in Markdown. Needs a Python with the peers: pip install open3d kiss-matcher numpy. PROGRAM is the target
+consimd_pcl_front_end, which the build has where PCL is installed (Debian: libpcl-dev); without it PCL is left out.
 
-All take the same voxels, normals of two and descriptors of five voxels, and Open3D the same number of random points.
-Reading files is not timed. Matches of Open3D's descriptors are chosen as consimd chooses them, mutual best three, to hold
-descriptor beside descriptor; its time of matching is that of its own mutual nearest ones.
+All take the same voxels, normals of two and descriptors of five voxels, Open3D and PCL the same number of random points.
+Neither reading files is timed nor filling a peer's type of cloud. Matches of the descriptors of Open3D and PCL are chosen
+as consimd chooses them, mutual best three, to hold descriptor beside descriptor; their time of matching is that of their
+own mutual nearest ones.
 """
 
 import argparse
+import importlib.metadata
 import json
 import os
 import pathlib
@@ -103,7 +106,7 @@ def run_open3d(pair, _, seed):
     o3d.utility.random.seed(seed)
     voxel, sides = pair["voxel"], []
     for points in pair["points"]:
-        cloud = timed("clouds", lambda p=points: o3d.geometry.PointCloud(o3d.utility.Vector3dVector(p)))
+        cloud = o3d.geometry.PointCloud(o3d.utility.Vector3dVector(points))
         cloud = timed("voxel_grid", lambda c=cloud: c.voxel_down_sample(voxel))
         timed("normals", lambda c=cloud: c.estimate_normals(o3d.geometry.KDTreeSearchParamRadius(2 * voxel)))
         timed("normals", lambda c=cloud: c.orient_normals_towards_camera_location())
@@ -145,7 +148,26 @@ def run_kiss(pair, _, __):
     return times, {"KISS-Matcher": pose}, (len(p), true_matches(p, q, pair))
 
 
-PEERS = {"consimd": run_consimd, "Open3D": run_open3d, "KISS-Matcher": run_kiss}
+def run_pcl(pair, arguments, seed):
+    with tempfile.TemporaryDirectory() as folder:
+        files = [pathlib.Path(folder) / side for side in ("source", "target")]
+        for file, points in zip(files, pair["float_points"]):
+            points.tofile(file)
+        out = pathlib.Path(folder) / "out"
+        command = [arguments.pcl, *files, pair["voxel"], KEYPOINTS, seed, out]
+        done = subprocess.run([*map(str, command)], capture_output=True, text=True)
+        if done.returncode != 0:
+            sys.exit(f"front_ends: {done.stderr.strip()}")
+        said = json.loads(done.stdout)
+        arguments.pcl_version = said["version"]
+        sides = [np.fromfile(f"{out}.{side}", np.float32).reshape(-1, 36).astype(float) for side in ("source", "target")]
+    pairs = mutual_best(*[side[:, 3:] for side in sides])
+    p, q = (side[pairs[:, k], :3] for k, side in enumerate(sides))
+    poses = {"PCL RANSAC 50k": np.array(said["T_target_source"]).reshape(4, 4)}
+    return said["seconds"], poses, (len(pairs), true_matches(p, q, pair))
+
+
+PEERS = {"consimd": run_consimd, "Open3D": run_open3d, "KISS-Matcher": run_kiss, "PCL": run_pcl}
 
 
 def row(*cells):
@@ -172,6 +194,20 @@ def table_of_times(times):
         row(peer, *cells, f"{1e3 * statistics.median(whole):.1f}", f"{ratio:.1f}")
 
 
+def table_of_pairs(pairs, times):
+    print("\nMilliseconds from the points in memory to the correspondences, and to the pose, least of all rounds\n")
+    row("pair", *PEERS)
+    row("---", *["--:"] * len(PEERS))
+    for k, name in enumerate(pairs):
+        cells = []
+        for peer in PEERS:
+            rounds = times[peer][k :: len(pairs)]
+            poses = [sum(stages.values()) for stages in rounds]
+            matches = [pose - stages["registration"] for pose, stages in zip(poses, rounds)]
+            cells.append(f"{1e3 * min(matches):.1f}, {1e3 * min(poses):.1f}")
+        row(name, *cells)
+
+
 def table_of_matches(pairs, matches, found):
     print("\nTrue matches of all, mean over rounds\n")
     row("pair", *PEERS)
@@ -191,10 +227,15 @@ def main():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("consimd", help="the command consimd")
     parser.add_argument("pairs", type=pathlib.Path, help="JSON list of pairs of scans")
+    parser.add_argument("--pcl", type=pathlib.Path, help="the program consimd_pcl_front_end; without it PCL is left out")
     parser.add_argument("--rounds", type=int, default=5, help="how often each runs on each pair; the round is the seed")
     parser.add_argument("--cpu", type=int, default=0, help="the core that all of them run on")
     parser.add_argument("--options", nargs="*", default=["--no-verification"], help="further ones for consimd register")
     arguments = parser.parse_args()
+    if arguments.pcl is None:
+        del PEERS["PCL"]
+    elif not arguments.pcl.is_file():
+        parser.error(f"--pcl: {arguments.pcl} is no file; the build target consimd_pcl_front_end makes it")
     os.sched_setaffinity(0, {arguments.cpu})
     os.environ.update(OMP_NUM_THREADS="1", TBB_NUM_THREADS="1", OPENBLAS_NUM_THREADS="1")
     global kiss_matcher, np, o3d
@@ -226,8 +267,12 @@ def main():
     info = json.loads(subprocess.run([arguments.consimd, "info", "--json"], capture_output=True, text=True, check=True).stdout)
     versions = ", ".join(f"{name} {info[name]}" for name in ("version", "isa", "compiler", "flags") if name in info)
     model = next((line.split(":")[1].strip() for line in open("/proc/cpuinfo") if line.startswith("model name")), "")
-    print(f"{model or platform.machine()}, one core; consimd {versions}; Open3D {o3d.__version__}; {arguments.rounds} rounds")
+    peers = f"Open3D {o3d.__version__}; KISS-Matcher {importlib.metadata.version('kiss-matcher')}"
+    if arguments.pcl:
+        peers += f"; PCL {arguments.pcl_version}"
+    print(f"{model or platform.machine()}, one core; consimd {versions}; {peers}; {arguments.rounds} rounds")
     table_of_times(times)
+    table_of_pairs([pair["name"] for pair in pairs], times)
     table_of_matches([pair["name"] for pair in pairs], matches, found)
 
 
