@@ -61,8 +61,8 @@ void add_solver_arguments(CLI::App& command, SolverArguments& arguments) {
   command
       .add_option("--time-limit", arguments.time_limit,
                   "Seconds that a program in --solver has for a problem, and to get ready; a slower one is killed, and "
-                  "the problem counts as failed")
-      ->capture_default_str();
+                  "the problem counts as failed. An error without a program: consimd's own solvers have budgets")
+      ->default_str(fmt::format("{}", studies::kDefaultTimeLimit));
   command
       .add_option("--solver-version", arguments.versions,
                   "NAME=TEXT, the version of a program in --solver, in place of what it tells; as often as needed")
@@ -76,7 +76,7 @@ StudySolvers solvers_of(const SolverArguments& arguments) {
   for (const std::string& argument : arguments.solvers) {
     for (const std::string& solver : split(argument)) {
       if (std::optional<studies::OutsideProgram> program = studies::parse_outside_program(solver)) {
-        program->time_limit = arguments.time_limit;
+        program->time_limit = arguments.time_limit.value_or(studies::kDefaultTimeLimit);
         solvers.names.push_back(program->name);
         named.push_back({.name = program->name});
         programs.push_back(std::move(*program));
@@ -88,6 +88,10 @@ StudySolvers solvers_of(const SolverArguments& arguments) {
   if (!arguments.settings.empty() && programs.size() == solvers.names.size()) {
     throw std::invalid_argument(
         fmt::format("--option: '{}' is of no solver of consimd, and --solver names none", arguments.settings.front()));
+  }
+  if (arguments.time_limit && programs.empty()) {
+    throw std::invalid_argument(fmt::format(
+        "--time-limit: {} s are for programs, NAME=exec:COMMAND, and --solver names none", *arguments.time_limit));
   }
   set_versions(arguments.versions, programs);
   studies::require_outside_solvers(named, solvers.names);  // before any starts: a program takes its time

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstddef>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -17,7 +18,7 @@ namespace consimd::cli {
 struct SolverArguments {
   std::vector<std::string> solvers;   ///< as given: names separated by commas, or a program up to its end
   std::vector<std::string> settings;  ///< for consimd's own
-  double time_limit = studies::kDefaultTimeLimit;
+  std::optional<double> time_limit;   ///< for programs
   std::vector<std::string> versions;  ///< NAME=TEXT
 
   explicit SolverArguments(std::vector<std::string> defaults) : solvers(std::move(defaults)) {}

@@ -1,5 +1,6 @@
 #include "outside_solvers.hpp"
 
+#include <algorithm>
 #include <chrono>
 #include <memory>
 #include <optional>
@@ -62,13 +63,18 @@ studies::OutsideReply call(nb::handle function, const studies::OutsideProblem& p
 
 studies::OutsideSolvers outside_solvers(const std::vector<OutsideEntry>& entries, double time_limit,
                                         const std::shared_ptr<const std::atomic<bool>>& stop) {
+  const auto is_program = [](const OutsideEntry& entry) { return std::get<1>(entry).is_none(); };
+  if (time_limit != studies::kDefaultTimeLimit && std::ranges::none_of(entries, is_program)) {
+    throw std::invalid_argument(
+        fmt::format("time_limit: {} s are for programs, 'exec:COMMAND', and solvers names none", time_limit));
+  }
   studies::OutsideSolvers solvers;
   for (const auto& entry : entries) {
     const std::string& name = std::get<0>(entry);
     const nb::handle function = std::get<1>(entry);
     const std::string& command = std::get<2>(entry);
     const std::string& version = std::get<3>(entry);
-    if (!function.is_none()) {
+    if (!is_program(entry)) {
       solvers.push_back(
           {.name = name,
            .command = command,

@@ -181,6 +181,8 @@ def test_a_program_is_a_solver(tmp_path):
         consimd.sweep(100, [0.5], [0.1], 2, {"mine": "exec:exit 3"})
     with pytest.raises(ValueError, match="time limit"):
         consimd.sweep(100, [0.5], [0.1], 2, {"mine": command}, time_limit=0.0)
+    with pytest.raises(ValueError, match="time_limit: 5 s are for programs"):
+        consimd.sweep(100, [0.5], [0.1], 2, {"mine": tcf, "tcf": None}, time_limit=5)
 
 
 def test_bad_arguments_are_named():

@@ -249,6 +249,22 @@ class OutsideSolver(CommandTest):
             self.assertNotIn("2", [row["seed"] for row in self.rows(f"{out}/{table}")])
             self.assertFalse([number for number in self.starts() if runs(number)])
 
+    def test_a_killed_study_leaves_no_program(self):
+        process = self.start(*SWEEP, "--solver", self.program("hang"), "--out", "killed")
+        deadline = time.monotonic() + 120
+        while not (self.folder / "killed/trials.csv").exists():
+            self.assertLess(time.monotonic(), deadline)
+            time.sleep(0.01)
+        time.sleep(3)  # one hangs by then
+        process.kill()
+        process.communicate(timeout=30)
+        left = self.starts()
+        self.assertTrue(left)
+        while left:
+            self.assertLess(time.monotonic(), deadline, left)
+            time.sleep(0.1)
+            left = [number for number in left if runs(number)]
+
     def test_a_program_that_does_not_start_is_told_before_anything_is_written(self):
         for command, says in (
             ("./nothing", "ended with exit code 127 without the line 'ready'"),
@@ -278,6 +294,8 @@ class OutsideSolver(CommandTest):
         ):
             for command in (SWEEP, COMPARE):
                 self.assert_error(*command, *arguments, says=says)
+        for command in (SWEEP, COMPARE):
+            self.assert_error(*command, "--solver", "tcf", "--time-limit", 60, says="--time-limit: 60 s are for programs")
 
     def test_commas_belong_to_the_command_of_a_program(self):
         self.run_command(*SWEEP, "--solver", f"tcf,{self.program('good')} a,b", "--out", "commas")

@@ -94,11 +94,20 @@ class NoPipeSignal {
   bool pending_before_;
 };
 
-pid_t spawn(const std::string& command, int input, int output) {
+/// Nobody ends a program whose study was killed: a hung one would stay. So a process beside it waits for the end of a
+/// pipe that this process alone can write to, grants the time that a program has to end by itself and kills the group.
+/// It is no child of the program, which may wait for all of its own, and holds none of the program's streams open.
+constexpr int kLifeline = 3;
+constexpr const char* kShell =
+    "( { read -r _; sleep 1; kill -s KILL 0; } <&3 >/dev/null 2>&1 & )\n"
+    "exec /bin/sh -c \"$1\" 3<&-";
+
+pid_t spawn(const std::string& command, int input, int output, int lifeline) {
   posix_spawn_file_actions_t files;
   posix_spawn_file_actions_init(&files);
   posix_spawn_file_actions_adddup2(&files, input, STDIN_FILENO);
   posix_spawn_file_actions_adddup2(&files, output, STDOUT_FILENO);
+  posix_spawn_file_actions_adddup2(&files, lifeline, kLifeline);
   posix_spawnattr_t attributes;
   posix_spawnattr_init(&attributes);
   sigset_t defaults, none;
@@ -110,8 +119,8 @@ pid_t spawn(const std::string& command, int input, int output) {
   posix_spawnattr_setpgroup(&attributes, 0);
   posix_spawnattr_setflags(&attributes,
                            static_cast<short>(POSIX_SPAWN_SETPGROUP | POSIX_SPAWN_SETSIGDEF | POSIX_SPAWN_SETSIGMASK));
-  std::string words[] = {"sh", "-c", command};
-  char* arguments[] = {words[0].data(), words[1].data(), words[2].data(), nullptr};
+  std::string words[] = {"sh", "-c", kShell, "sh", command};
+  char* arguments[] = {words[0].data(), words[1].data(), words[2].data(), words[3].data(), words[4].data(), nullptr};
   pid_t child = -1;
   const int failed = posix_spawn(&child, "/bin/sh", &files, &attributes, arguments, environ);
   posix_spawnattr_destroy(&attributes);
@@ -134,8 +143,9 @@ std::string described(int status) {
 }  // namespace
 
 ChildProcess::ChildProcess(const std::string& command) {
-  Pipe input, output;
-  child_ = spawn(command, input.read, output.write);
+  Pipe input, output, lifeline;
+  child_ = spawn(command, input.read, output.write, lifeline.read);
+  lifeline_ = std::exchange(lifeline.write, -1);
   input_ = std::exchange(input.write, -1);
   output_ = std::exchange(output.read, -1);
   // A program that does not read must not block this one. The program's end of the pipe stays as it is.
@@ -146,6 +156,7 @@ ChildProcess::ChildProcess(const std::string& command) {
 ChildProcess::~ChildProcess() {
   end(true);
   close(output_);
+  close(lifeline_);
 }
 
 void ChildProcess::close_input() {

@@ -11,7 +11,8 @@
 namespace consimd::studies {
 
 /// Started by /bin/sh in a process group of its own, so that what it starts ends with it, and Ctrl-C reaches the study
-/// alone. Its standard error stream is that of this process. Not thread-safe.
+/// alone. Where this process is killed, so is the group, a second later. Its standard error stream is that of this
+/// process. Not thread-safe.
 class ChildProcess {
  public:
   using Clock = std::chrono::steady_clock;
@@ -56,8 +57,9 @@ class ChildProcess {
   void close_input();
 
   int child_ = -1;
-  int input_ = -1;   ///< of the program, this process writes
-  int output_ = -1;  ///< of the program, this process reads
+  int input_ = -1;     ///< of the program, this process writes
+  int output_ = -1;    ///< of the program, this process reads
+  int lifeline_ = -1;  ///< this process writes nothing: its end tells of that of this process
   std::string received_;
   std::optional<std::string> ending_;
 };
