@@ -31,10 +31,12 @@ configure_consumer() {
   quietly cmake -S "$consumer" -B "$work-$1" -G Ninja -DCMAKE_BUILD_TYPE=Release "${@:2}"
 }
 
-# consume NAME CMAKE_ARGUMENT...: builds the consumer project and runs its programs.
+# consume NAME CMAKE_ARGUMENT...: builds the consumer project and runs its programs. Of consimd as a part of it, what they use.
 consume() {
+  local target=all
+  if [[ $* == *CONSIMD_FROM=* ]]; then target=programs; fi
   configure_consumer "$@"
-  quietly cmake --build "$work-$1"
+  quietly cmake --build "$work-$1" --target "$target"
   quietly ctest --test-dir "$work-$1" --output-on-failure --no-tests=error
 }
 
@@ -45,7 +47,7 @@ rm -rf "$static"
 quietly cmake --install "$release" --prefix "$static/prefix"
 install_library shared -DBUILD_SHARED_LIBS=ON
 # shellcheck disable=SC2054 # one argument of CMake
-install_library native -DCMAKE_CXX_FLAGS=-march=native -DCONSIMD_BUILD_CLI=OFF
+install_library native -DCMAKE_CXX_FLAGS=-march=native -DCONSIMD_BUILD_STUDIES=OFF -DCONSIMD_BUILD_CLI=OFF -DCONSIMD_BUILD_EXAMPLES=OFF
 install_library kernels -DCONSIMD_KERNELS_ONLY=ON -DCMAKE_DISABLE_FIND_PACKAGE_Eigen3=ON -DCMAKE_DISABLE_FIND_PACKAGE_TBB=ON
 for name in static shared; do "$work-$name/prefix/bin/consimd" info >/dev/null || fail "the installed command does not run"; done
 
