@@ -1,5 +1,6 @@
 #include <consimd/features/cloud_files.hpp>
 
+#include <algorithm>
 #include <bit>
 #include <cerrno>
 #include <cstddef>
@@ -17,13 +18,13 @@ namespace {
 
 /// What is left of a stream. `expected`: how much that may be.
 std::string rest_of(std::istream& stream, std::size_t expected) {
-  constexpr std::size_t kBlock = std::size_t{1} << 20;
+  constexpr std::size_t kLeast = std::size_t{1} << 12U;
   std::string bytes;
-  bytes.reserve(expected + kBlock);
-  while (stream) {
+  // The byte more than expected shows the end. What is longer comes in blocks as large as what there is.
+  for (std::size_t block = std::max(expected + 1, kLeast); stream; block = bytes.size()) {
     const std::size_t before = bytes.size();
-    bytes.resize(before + kBlock);
-    stream.read(bytes.data() + before, kBlock);
+    bytes.resize(before + block);
+    stream.read(bytes.data() + before, static_cast<std::streamsize>(block));
     bytes.resize(before + static_cast<std::size_t>(stream.gcount()));
   }
   return bytes;
