@@ -93,11 +93,13 @@ void add_cloud_options(CLI::App& command, CloudArguments& arguments) {
   command
       .add_option("--source-viewpoint", arguments.source_viewpoint,
                   "Where the source was scanned from, X,Y,Z in its own frame: matches tend to keep the range about the "
-                  "sensor, and a cloud's surfaces are turned to it; of clouds also none")
+                  "sensor, and surfaces of a cloud are turned to it; or, of clouds, none: they are turned up")
       ->capture_default_str();
   command
-      .add_option("--target-viewpoint", arguments.target_viewpoint,
-                  "Of clouds: the same of the target, X,Y,Z or none, as of a map of many scans")
+      .add_option(
+          "--target-viewpoint", arguments.target_viewpoint,
+          "Of clouds: the same of the target. Of a map of many scans none, and of what is registered to it too: "
+          "surfaces that are turned in different ways do not match")
       ->capture_default_str();
 }
 
