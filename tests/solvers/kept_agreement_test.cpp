@@ -84,7 +84,7 @@ TEST(KeptChances, OfRangesAreThoseAboutTheViewpoint) {
   // What a sensor sees ahead of it, in map coordinates: neither their origin nor the middle of the points is the
   // sensor.
   const std::array<double, 3> sensor{4e5, -3e5, 100.0};
-  const Problem problem = synth::hard_problem({.correspondences = 800,
+  const Problem problem = synth::hard_problem({.correspondences = 2400,
                                                .outlier_ratio = 1.0,
                                                .sigma = 0.1,
                                                .half_extent = 40.0,
@@ -99,7 +99,8 @@ TEST(KeptChances, OfRangesAreThoseAboutTheViewpoint) {
   rows.set_source_viewpoint(sensor);
   const AtPose at = chances_at(rows, problem.decoy_T_target_source, problem.sigma);
   EXPECT_FALSE(at.kept.empty());
-  EXPECT_GT(largest(at), 10.0 * at.at_random.support.front());
+  // One mismatched pair in some fifty has ranges within the bound of 0.3 m, every row has.
+  EXPECT_GT(largest(at), 20.0 * at.at_random.support.front());
 }
 
 TEST(KeptChances, AreNoneWhereNothingIsKept) {
