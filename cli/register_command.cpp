@@ -194,6 +194,15 @@ void draw(const Options& options, const RegisterReport& report, const Correspond
   studies::replace_file(options.picture, png ? drawn_as_png(drawing) : drawing);
 }
 
+/// What there is to say of a run, if nothing was said of those before it. What a run without a pose lacks is looked for
+/// once.
+void advise(const Correspondences& correspondences, const Registration& run, RegisterReport& report) {
+  if (!report.notes.empty()) return;
+  if (run.has_pose() || std::ranges::all_of(report.runs, &Registration::has_pose)) {
+    report.notes = advice(correspondences, run);
+  }
+}
+
 StopCondition stop_of(const Options& options) {
   return options.time_limit ? stop_after(*options.time_limit) : StopCondition{};
 }
@@ -219,7 +228,7 @@ Correspondences register_pairs(const Options& options, const SolverChoice& choic
                                         .verify = !options.clouds.no_verification,
                                         .refine = method});
     });
-    if (report.notes.empty()) report.notes = advice(found.matches.correspondences, found.registration);
+    advise(found.matches.correspondences, found.registration, report);
     report.runs.push_back(std::move(found.registration));
     report.attempts.push_back(found.attempts);
     if (found.verdict) report.verdicts.push_back(*found.verdict);
@@ -247,14 +256,15 @@ void register_rows(const Options& options, const SolverChoice& choice, const Cor
     }
     return;
   }
-  for (std::uint32_t run = 0; run < options.repeat; ++run) {
-    report.runs.push_back(register_by_choice(choice, correspondences,
-                                             {.noise_bound = report.noise_bound,
-                                              .seed = options.seed + run,
-                                              .filter = report.filter,
-                                              .estimate_scale = options.estimate_scale,
-                                              .stop = stop_of(options)}));
-    if (report.notes.empty()) report.notes = advice(correspondences, report.runs.back());
+  for (std::uint32_t k = 0; k < options.repeat; ++k) {
+    Registration run = register_by_choice(choice, correspondences,
+                                          {.noise_bound = report.noise_bound,
+                                           .seed = options.seed + k,
+                                           .filter = report.filter,
+                                           .estimate_scale = options.estimate_scale,
+                                           .stop = stop_of(options)});
+    advise(correspondences, run, report);
+    report.runs.push_back(std::move(run));
   }
 }
 
