@@ -1,10 +1,13 @@
 // What rows that a pose does not explain keep of their sources, and what that makes of chance.
+#include <consimd/solvers/significance.hpp>
 #include <consimd/synth/hard_problems.hpp>
 #include <consimd/synth/noise_study.hpp>
 
 #include <algorithm>
+#include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <limits>
 #include <vector>
 
 #include "problems.hpp"
@@ -101,6 +104,20 @@ TEST(KeptChances, OfRangesAreThoseAboutTheViewpoint) {
   EXPECT_FALSE(at.kept.empty());
   // One mismatched pair in some fifty has ranges within the bound of 0.3 m, every row has.
   EXPECT_GT(largest(at), 20.0 * at.at_random.support.front());
+}
+
+TEST(KeptChances, AreNumbersForViewpointsBeyondAllBounds) {
+  const Problem problem = synth::hard_problem({.correspondences = 600, .outlier_ratio = 0.98, .sigma = 0.1});
+  for (const double far : {1e20, 1e45, 1e200, std::numeric_limits<double>::max()}) {
+    Correspondences rows = problem.correspondences();
+    rows.set_source_viewpoint({far, -far, far});
+    const AtPose at = chances_at(rows, problem.T_target_source, problem.sigma);
+    EXPECT_LE(largest(at), 1.0);
+    const double value =
+        significance(rows, detail::scored(rows, problem.T_target_source, 0.3).pose, 0.3, Scrutiny::close)
+            .log10_false_poses;
+    EXPECT_TRUE(std::isfinite(value)) << far;
+  }
 }
 
 TEST(KeptChances, AreNoneWhereNothingIsKept) {

@@ -1,10 +1,18 @@
 #include "verdict/kept_coordinates.hpp"
 
+#include <algorithm>
+
 #include <Eigen/Eigenvalues>
 
 #include <consimd/kernels/kernel_data.hpp>
 
 namespace consimd::detail {
+namespace {
+
+// A viewpoint further away than this sees all sources at one range, as a float has it, and is no further.
+constexpr double kFurthest = 1e30;
+
+}  // namespace
 
 SourceCoordinates::SourceCoordinates(const Correspondences& correspondences, std::size_t step) {
   const CorrespondenceView view = correspondences.view();
@@ -23,7 +31,7 @@ std::array<float, kCoordinates> SourceCoordinates::operator()(const Point& point
   const Eigen::Vector3d source(point.x, point.y, point.z);
   const Eigen::Vector3d along = principal_ * source;
   return {static_cast<float>(along[0]), static_cast<float>(along[1]), static_cast<float>(along[2]),
-          static_cast<float>((source - viewpoint_).norm()), static_cast<float>(source.norm())};
+          static_cast<float>(std::min((source - viewpoint_).norm(), kFurthest)), static_cast<float>(source.norm())};
 }
 
 }  // namespace consimd::detail
