@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <memory>
 #include <optional>
+#include <set>
 #include <stdexcept>
 #include <string>
 #include <utility>
@@ -98,12 +99,15 @@ void check(const Options& options) {
   if (options.clouds.refine) static_cast<void>(features::parse_refinement_method(*options.clouds.refine));
   static_cast<void>(filter_by_name(options.filter));
   if (!options.json.empty() && options.json != "-") studies::require_replaceable(options.json);
+  std::set<std::string> written{options.json, options.clouds.save_correspondences};
   for (const auto& [name, file] :
        {std::pair("--save-pose", options.save_pose), std::pair("--save-inliers", options.save_inliers),
         std::pair("--save-aligned", options.clouds.save_aligned), std::pair("--view", options.view),
         std::pair("--picture", options.picture)}) {
     if (file.empty()) continue;
     if (options.repeat != 1) throw std::invalid_argument(fmt::format("{}: writes one run, not --repeat of them", name));
+    if (file == "-") throw std::invalid_argument(fmt::format("{}: expected a file; only --json takes '-'", name));
+    if (!written.insert(file).second) throw std::invalid_argument(fmt::format("{}: '{}' is written twice", name, file));
     studies::require_replaceable(file);
   }
   if (const std::string ending = std::filesystem::path(options.picture).extension();
@@ -194,12 +198,12 @@ void draw(const Options& options, const RegisterReport& report, const Correspond
   studies::replace_file(options.picture, png ? drawn_as_png(drawing) : drawing);
 }
 
-/// What there is to say of a run, if nothing was said of those before it. What a run without a pose lacks is looked for
-/// once.
+/// Adds what there is to say of the first run, and of the first without a pose: what all lack is looked for once.
 void advise(const Correspondences& correspondences, const Registration& run, RegisterReport& report) {
-  if (!report.notes.empty()) return;
-  if (run.has_pose() || std::ranges::all_of(report.runs, &Registration::has_pose)) {
-    report.notes = advice(correspondences, run);
+  const bool is_first_without = !run.has_pose() && std::ranges::all_of(report.runs, &Registration::has_pose);
+  if (!report.runs.empty() && !is_first_without) return;
+  for (std::string& note : advice(correspondences, run)) {
+    if (std::ranges::find(report.notes, note) == report.notes.end()) report.notes.push_back(std::move(note));
   }
 }
 
@@ -273,7 +277,8 @@ int run_register(const Options& options) {
   const SolverChoice choice = choice_of(options.solver, options.settings);
   const auto viewpoint = viewpoint_of("--source-viewpoint", options.clouds.source_viewpoint);
   if (!viewpoint && !options.matches_clouds()) {
-    throw std::invalid_argument("--source-viewpoint: of correspondences expected X,Y,Z, got 'none'");
+    throw std::invalid_argument(
+        "--source-viewpoint: none is of clouds; of correspondences leave it out, or give X,Y,Z");
   }
   RegisterReport report{.file = options.file,
                         .isa = std::string(to_string(active_isa())),
@@ -359,8 +364,8 @@ void add_register_command(CLI::App& app, Action& run) {
   command->add_option(
       "--noise-bound", options->noise_bound,
       "Largest distance of a true correspondence's target from the moved source, in the file's unit; about 3 "
-      "times the noise's standard deviation. When not given it is estimated from the correspondences, which takes some "
-      "ten times as long, or, of clouds, three times their resolution");
+      "times the noise's standard deviation. When not given it is estimated from the correspondences, which takes two "
+      "to fourteen times as long, or, of clouds, three times their resolution");
   command->add_option("--solver", options->solver, "Solver: " + solver_help())->capture_default_str();
   add_option_setting(*command, options->settings);
   add_filter_option(*command, options->filter);

@@ -344,8 +344,12 @@ class Register(CommandTest):
             for value in ("0", "-1", "x", "1.5", "99999999999"):
                 self.assert_error("register", file, "--noise-bound", 1, option, value, says=option)
         self.assert_error("register", file, "--noise-bound", 1, "--seed", "-1", says="--seed")
-        self.assert_error("register", file, "--source-viewpoint", "none", says="of correspondences expected X,Y,Z")
+        self.assert_error("register", file, "--source-viewpoint", "none", says="none is of clouds")
         self.assert_error("register", file, "--target-viewpoint", "1,2,3", says="are of two clouds")
+        self.assert_error("register", file, "--save-pose", "-", says="--save-pose: expected a file")
+        self.assert_error("register", file, "--save-pose", "out", "--save-inliers", "out",
+                          says="--save-inliers: 'out' is written twice")
+        self.assert_error("register", file, "--json", "out", "--save-pose", "out", says="'out' is written twice")
 
     def test_unwritable_json(self):
         file = self.write("good.txt", "1 2 3 4 5 6\n" * 5)
