@@ -39,7 +39,7 @@ constexpr double kDescriptorRadius = 5.0;
 constexpr double kInlierBound = 2.0;
 constexpr int kIterations = 50000;
 
-/// Of each stage.
+/// What each stage took.
 using Seconds = std::map<std::string, double>;
 
 template <typename Work>

@@ -179,7 +179,7 @@ std::string las(char minor) {
   put(24, std::string{1, minor});
   put(96, bytes_of(begin));
   put(105, bytes_of(std::uint16_t{20}));
-  // Of version 1.4 the number of points has 64 bits; the older field may be zero.
+  // Version 1.4 has a number of points of 64 bits; the older field may be zero.
   put(minor < 4 ? 107 : 247, minor < 4 ? bytes_of(std::uint32_t{4}) : bytes_of(std::uint64_t{4}));
   for (std::size_t c = 0; c < 3; ++c) {
     put(131 + 8 * c, bytes_of(0.25));

@@ -191,7 +191,7 @@ Problem quantised(std::uint64_t trial) {
                               .quantum = 0.5});
 }
 
-/// Of each kind a thousand problems, solvers in turn.
+/// Each kind has a thousand problems, which the solvers take in turn.
 class Nuisances : public ::testing::TestWithParam<Nuisance> {};
 
 INSTANTIATE_TEST_SUITE_P(

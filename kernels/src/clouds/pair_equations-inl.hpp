@@ -64,7 +64,7 @@ class PairTerms {
         rotation_(problem.rotation),
         limit_(problem.max_distance * problem.max_distance) {}
 
-  /// Of entries i to i + width - 1.
+  /// Gives the terms of entries i to i + width - 1.
   PairTerm<Arch, kMetric> operator()(std::size_t i) const {
     const Batch<Arch> zero(0.0f);
     const IndexBlock<Arch> rows(block_.rows, n_, i);

@@ -15,7 +15,7 @@ struct alignas(64) PairBlock {
   float from[3][kSize];       ///< where the points are before the motion, working frame of their cloud
   float normals[3][kSize];    ///< theirs, before the motion; unit length, or NaN
   float looked[3][kSize];     ///< where each was when its nearest point was looked for
-  float trust[kSize];         ///< that is the nearest within this distance of `looked`
+  float trust[kSize];         ///< how far a point may be from `looked` and still have the same nearest point
   float points[3][kSize];     ///< the moved points, working frame of the target
   std::uint32_t rows[kSize];  ///< the nearest point of the target, target.size() where there is none
 };
@@ -39,7 +39,7 @@ enum class PairMetric : std::uint8_t {
   gicp,
 };
 
-/// Working frame of the target.
+/// What is made small of the pairs, and which of them count. Lengths are those of the target's working frame.
 struct PairProblem {
   PairMetric metric;
   float rotation[9];   ///< of the moved normals, rows one after the other

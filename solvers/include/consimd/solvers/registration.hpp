@@ -62,8 +62,8 @@ struct Registration {
   PoseCovariance covariance = PoseCovariance::Zero();
   /// Rows within `noise_bound` of the pose, ascending, copies of one another included. Empty when there is no pose.
   std::vector<std::uint32_t> inliers;
-  /// log10 of the number of equally supported poses expected by chance (see significance.hpp); 0 when no pose was
-  /// found. Success needs it below the solver's limit.
+  /// log10 of the number of equally supported poses expected by chance (see significance.hpp). Success needs
+  /// it below the solver's limit. Without a pose it is that of the best one met, 0 where none was.
   double log10_false_poses = 0.0;
   /// The best pose of another motion that the search met, where it is significant. One with four fifths of the support
   /// is met nearly as surely as the best pose. Two rigid motions, or an object that is its own image when turned, show
