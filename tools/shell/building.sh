@@ -8,8 +8,9 @@ use_ccache() {
   if command -v ccache >/dev/null; then
     export CMAKE_CXX_COMPILER_LAUNCHER=ccache
     # It knows sources with a precompiled header again only when told that none of them asks for the time of day; and the same
-    # object from two build folders only when paths below the checkout do not count.
-    export CCACHE_SLOPPINESS=pch_defines,time_macros CCACHE_BASEDIR=${CCACHE_BASEDIR:-$root}
+    # object from two build folders only when paths below the checkout do not count. Comments do count: a precompiled header kept
+    # from before a comment changed no longer stands for its files, by whose content #pragma once knows them.
+    export CCACHE_SLOPPINESS=pch_defines,time_macros CCACHE_BASEDIR=${CCACHE_BASEDIR:-$root} CCACHE_COMMENTS=true
   fi
 }
 
