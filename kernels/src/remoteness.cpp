@@ -14,16 +14,14 @@ constexpr std::size_t kPairs = 64;
 constexpr std::size_t kClosePairs = kPairs / 10;
 constexpr double kStandsOut = 24.0;
 
-template <typename Points>
-double distance(const Points& points, std::size_t i, const std::array<double, 3>& from) {
-  double largest = 0.0;
-  for (std::size_t c = 0; c < 3; ++c)
-    largest = std::max(largest, std::abs(static_cast<double>(points(i, c)) - from[c]));
-  return largest;
+using Point = std::array<double, 3>;
+
+double distance(const Point& p, const Point& from) {
+  return std::max({std::abs(p[0] - from[0]), std::abs(p[1] - from[1]), std::abs(p[2] - from[2])});
 }
 
 template <typename Points>
-std::array<double, 3> point(const Points& points, std::size_t i) {
+Point point(const Points& points, std::size_t i) {
   return {static_cast<double>(points(i, 0)), static_cast<double>(points(i, 1)), static_cast<double>(points(i, 2))};
 }
 
@@ -45,32 +43,49 @@ bool may_stand_out(const Points& points, double extent, double times) {
   for (std::uint64_t pair = 0; pair < kPairs; ++pair) {
     const std::size_t i = row(2 * pair);
     const std::size_t j = row(2 * pair + 1);
-    distances[pair] = distance(points, i, point(points, i == j ? (j + 1) % points.size : j));
+    distances[pair] = distance(point(points, i), point(points, i == j ? (j + 1) % points.size : j));
   }
   std::nth_element(distances.begin(), distances.begin() + kClosePairs, distances.end());
   return !(extent <= times * distances[kClosePairs]);
 }
 
+// The points, but the one repeated most once only: a "no value" that most rows have is no place where most points are.
+// All others count as often as they are there, as the targets of a board do that many frames show.
+template <typename Points>
+std::vector<Point> counted_points(const Points& points) {
+  std::vector<Point> sorted(points.size);
+  for (std::size_t i = 0; i < points.size; ++i) sorted[i] = point(points, i);
+  std::ranges::sort(sorted);
+  auto most = std::ranges::subrange(sorted.begin(), sorted.begin());
+  for (auto first = sorted.begin(); first != sorted.end();) {
+    const auto end = std::find_if(first, sorted.end(), [&](const auto& other) { return other != *first; });
+    if (end - first > std::ranges::ssize(most)) most = {first, end};
+    first = end;
+  }
+  if (!most.empty()) sorted.erase(most.begin() + 1, most.end());
+  return sorted;
+}
+
 template <typename Points>
 std::vector<double> remoteness_of(const Points& points) {
-  std::array<double, 3> middle{};
-  std::vector<double> values(points.size);
+  const std::vector<Point> counted = counted_points(points);
+  Point middle{};
+  std::vector<double> values(counted.size());
   for (std::size_t c = 0; c < 3; ++c) {
-    for (std::size_t i = 0; i < points.size; ++i) values[i] = static_cast<double>(points(i, c));
+    std::ranges::transform(counted, values.begin(), [c](const Point& p) { return p[c]; });
     middle[c] = median(values);
   }
-  std::vector<double> result(points.size);
-  for (std::size_t i = 0; i < points.size; ++i) result[i] = distance(points, i, middle);
-  values = result;
+  std::ranges::transform(counted, values.begin(), [&](const Point& p) { return distance(p, middle); });
   double radius = median(values);
+  std::vector<double> result(points.size, 0.0);
   if (radius == 0.0) {
     std::erase(values, 0.0);
     if (values.empty()) return result;
     radius = median(values);
   }
   // Most of the points being beyond double from one another is for the caller to refuse.
-  if (!std::isfinite(radius)) return std::vector<double>(points.size, 0.0);
-  for (double& value : result) value /= radius;
+  if (!std::isfinite(radius)) return result;
+  for (std::size_t i = 0; i < points.size; ++i) result[i] = distance(point(points, i), middle) / radius;
   return result;
 }
 

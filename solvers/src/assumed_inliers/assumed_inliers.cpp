@@ -20,6 +20,8 @@ namespace {
 
 // Coordinates in the working frame are rounded to about this.
 constexpr double kResolution = 1e-7;
+// A scale or a reflection that leaves less than this share of the squared residuals is what the rows are about.
+constexpr double kLeft = 0.01;
 
 Eigen::Vector3d source_vector(const CorrespondenceView& view, std::size_t k) {
   return {view.source(0)[k], view.source(1)[k], view.source(2)[k]};
@@ -56,6 +58,32 @@ struct Sums {
   Cloud source;
   Cloud target;
   RigidMoments moments{};
+
+  // The same with the first axis of the source reversed.
+  [[nodiscard]] RigidMoments mirrored() const {
+    RigidMoments result = moments;
+    result.source[0] = -result.source[0];
+    for (std::size_t row = 0; row < 3; ++row) result.cross[3 * row] = -result.cross[3 * row];
+    for (const std::size_t product : {1U, 2U}) result.source_scatter[product] = -result.source_scatter[product];
+    return result;
+  }
+
+  // What a fit and the scales 1 and the best one leave of the squared distances of the rows.
+  struct Left {
+    double squares;
+    double squares_scaled;
+    double scale;
+  };
+  [[nodiscard]] Left left_by(const RigidMoments& fitted, const RigidFit& fit) const {
+    const double count = fitted.weight;
+    const Eigen::Vector3d source_sum = Eigen::Map<const Eigen::Vector3d>(fitted.source);
+    const Eigen::Matrix3d cross = Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>(fitted.cross) -
+                                  target.sum * source_sum.transpose() / count;
+    const double of_source = source.scatter.trace() - source.sum.squaredNorm() / count;
+    const double of_target = target.scatter.trace() - target.sum.squaredNorm() / count;
+    const double aligned = fit.pose.linear().cwiseProduct(cross).sum();
+    return {of_source + of_target - 2.0 * aligned, of_target - aligned * aligned / of_source, aligned / of_source};
+  }
 };
 
 Sums sums_of(const CorrespondenceView& view) {
@@ -93,10 +121,23 @@ void solve(const Correspondences& correspondences, AssumedInliers& result) {
     residuals[k] = (fit.pose * source_vector(view, k) - target_vector(view, k)).norm();
   }
   const double squares = std::inner_product(residuals.begin(), residuals.end(), residuals.begin(), 0.0);
-  const double freedom = 3.0 * sums.moments.weight - 6.0;
-  const double sigma = std::sqrt(squares / freedom);
-  result.geometry =
-      std::max(sums.source.geometry(sums.moments.weight, sigma), sums.target.geometry(sums.moments.weight, sigma));
+  const double count = sums.moments.weight;
+  const double sigma = std::sqrt(squares / (3.0 * count - 6.0));
+  const double resolved = 3.0 * count * kResolution * kResolution;
+  const Sums::Left left = sums.left_by(sums.moments, fit);
+  // Rounding leaves as much of rows that fit.
+  const bool tell = squares * kLeft > resolved;
+  double remaining = squares;
+  if (tell && left.scale > 0.0 && left.squares_scaled < kLeft * squares) {
+    result.other_scale = left.scale;
+    remaining = std::max(left.squares_scaled, 0.0);
+  }
+  const RigidMoments mirrored = sums.mirrored();
+  // Three points are their own mirror image.
+  registration.mirrored = tell && count > 3.0 && sums.left_by(mirrored, rigid_fit(mirrored)).squares < kLeft * squares;
+  // Another scale is no noise, which alone hides what the points determine.
+  const double noise = std::sqrt(remaining / (3.0 * count - 6.0));
+  result.geometry = std::max(sums.source.geometry(count, noise), sums.target.geometry(count, noise));
   if (result.geometry == PointGeometry::determined && !fit.determined()) result.geometry = PointGeometry::collinear;
   if (result.geometry != PointGeometry::determined) {
     registration.status = Status::degenerate_geometry;
@@ -135,6 +176,7 @@ AssumedInliers register_assumed_inliers(const Correspondences& correspondences) 
                           "to be as right as all others, but it lies hundreds of times the extent of the others away: "
                           "remove it");
   }
+  detail::require_usable_unit(correspondences);
   AssumedInliers result;
   result.registration = detail::start_registration(0.0, 0.0, 0);
   StageReport stage{"least_squares", correspondences.size()};

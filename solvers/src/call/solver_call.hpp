@@ -26,10 +26,11 @@ Registration start_registration(double noise_bound, double noise_bound_asked, st
 
 /// The registration that `solve(rows, options, result)` fills in, timed. It is called with rows that are no copies and
 /// not far from all others, three or more (fewer have their status already), and with a noise bound that the working
-/// frame resolves; the inliers are then those of all rows. Throws std::invalid_argument on a bad noise bound.
+/// frame resolves; the inliers are then those of all rows. Throws std::invalid_argument on a bad noise bound or unit.
 template <typename Options, typename Solve>
 Registration run_solver(const Correspondences& correspondences, const Options& asked, const Solve& solve) {
   require_length("noise_bound", asked.noise_bound);
+  require_usable_unit(correspondences);
   Registration result;
   run_on_threads(asked.threads, [&] {
     Options options = asked;

@@ -12,6 +12,9 @@
 
 namespace consimd::detail {
 
+/// Name of the stage that a registration without a given bound has before all others.
+inline constexpr const char* kNoiseBoundStage = "noise_bound";
+
 struct BoundSearch {
   NoiseBoundEstimate estimate;
   /// The pose that the estimate rests on and then all that were tried, if that pose is significant but not beyond

@@ -13,6 +13,7 @@
 #include <consimd/solvers/significance.hpp>
 
 #include "call/distinct_rows.hpp"
+#include "call/option_checks.hpp"
 #include "noise_bound/bound_attempts.hpp"
 #include "noise_bound/bound_search.hpp"
 #include "support/points.hpp"
@@ -198,6 +199,7 @@ Correspondences sample(const Correspondences& correspondences, std::size_t wante
 }  // namespace
 
 BoundSearch search_noise_bound(const Correspondences& all, std::uint64_t seed, const StopCondition& stop) {
+  require_usable_unit(all);
   const DistinctRows rows(all);
   const Correspondences& correspondences = rows.correspondences();
   const double size = extent(correspondences);

@@ -9,6 +9,7 @@
 #include "call/stage_clock.hpp"
 #include "noise_bound/bound_search.hpp"
 #include "registry/filtered_registration.hpp"
+#include "verdict/another_scale.hpp"
 
 namespace consimd {
 namespace {
@@ -47,6 +48,16 @@ void fall_back_on(Registration other, Registration& result) {
   result = std::move(other);
 }
 
+// The pose with all that belongs to it.
+void refuse(Registration& result) {
+  const Registration none;
+  result.status = Status::no_consensus;
+  result.T_target_source = none.T_target_source;
+  result.covariance = none.covariance;
+  result.inliers.clear();
+  result.runner_up.reset();
+}
+
 void require_scale_can_be_estimated(const SolverOptions& options) {
   if (!options.noise_bound) throw std::invalid_argument("estimate_scale: needs a noise_bound");
   if (options.filter != Filter::none) {
@@ -82,7 +93,7 @@ namespace {
 Registration register_in_arena(const SolverCall& solver, const Correspondences& correspondences,
                                const SolverOptions& options) {
   if (options.noise_bound) return run(solver, correspondences, *options.noise_bound, 1, options);
-  StageReport estimation{"noise_bound", correspondences.size(), 0, 0, 0.0};
+  StageReport estimation{detail::kNoiseBoundStage, correspondences.size(), 0, 0, 0.0};
   detail::BoundSearch found;
   {
     const detail::StageClock clock(estimation.seconds);
@@ -92,6 +103,9 @@ Registration register_in_arena(const SolverCall& solver, const Correspondences& 
   Registration result = run(solver, correspondences, estimate.noise_bound, estimate.bounds_tried, options);
   if (result.status == Status::no_consensus && !found.poses.empty()) {
     fall_back_on(detail::register_tried_poses(correspondences, found, options.seed), result);
+  }
+  if (result.has_pose() && detail::hides_another_scale(correspondences, result.T_target_source, result.noise_bound)) {
+    refuse(result);
   }
   estimation.output = result.inliers.size();
   estimation.iterations = estimate.bounds_tried;

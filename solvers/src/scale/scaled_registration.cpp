@@ -7,13 +7,13 @@
 #include <vector>
 
 #include <consimd/poses/rigid_fit.hpp>
-#include <consimd/solvers/pose_refinement.hpp>
 #include <consimd/solvers/scale_voting.hpp>
 
 #include "call/solver_call.hpp"
 #include "search/consensus_search.hpp"
 #include "support/best_poses.hpp"
 #include "verdict/ambiguity.hpp"
+#include "verdict/another_scale.hpp"
 #include "verdict/pairing_chances.hpp"
 
 namespace consimd::detail {
@@ -21,18 +21,9 @@ namespace {
 
 // Votes, as a share of the most, from which a scale is tried though another has a pose already.
 constexpr double kRivalVotes = 0.3;
-constexpr std::uint32_t kMostRounds = 20;
-// A change of scale that moves points by less than this share of the noise.
-constexpr double kStill = 1e-3;
 // Pairs whose lengths are compared to count scales.
 constexpr std::uint32_t kPairs = 1024;
 constexpr double kMostScales = 1e4;
-
-/// x_target = scale * R * x_source + t; the pose is of the scaled source, caller's frame.
-struct Similarity {
-  double scale = 1.0;
-  RigidTransform T_target_source = RigidTransform::Identity();
-};
 
 /// Scales that pairs can tell apart: at each only a share of the mismatched pairs agree in length.
 double scales_told_apart(const Correspondences& scaled, double noise_bound, std::uint64_t seed) {
@@ -42,26 +33,6 @@ double scales_told_apart(const Correspondences& scaled, double noise_bound, std:
 
 std::uint32_t times(std::uint32_t bounds_tried, double scales) {
   return static_cast<std::uint32_t>(std::min(std::max(bounds_tried, 1U) * scales, 4e9));
-}
-
-/// Pose and scale in turn. Returns the rounds.
-std::uint32_t refine(const Correspondences& correspondences, double noise_bound, Similarity& similarity) {
-  for (std::uint32_t round = 1; round <= kMostRounds; ++round) {
-    const Correspondences scaled = correspondences.with_scaled_source(similarity.scale);
-    const RefinedPose refined =
-        refine_pose(scaled, to_working_pose(to_working_frame(similarity.T_target_source, scaled)), {noise_bound});
-    if (!refined.fit.determined() || !(refined.scale > 0.0)) return round;
-    RigidTransform& pose = similarity.T_target_source;
-    pose = to_caller_frame(refined.fit.pose, scaled);
-    // About the centre of the inliers, which stays where it is.
-    const Eigen::Vector3d centre = Eigen::Vector3d(refined.centre) / scaled.scale() +
-                                   Eigen::Map<const Eigen::Vector3d>(scaled.source_centroid().data());
-    pose.translation() -= (refined.scale - 1.0) * (pose.linear() * centre);
-    similarity.scale *= refined.scale;
-    // A working frame is about 1 in size.
-    if (std::abs(refined.scale - 1.0) < kStill * refined.sigma * scaled.scale()) return round;
-  }
-  return kMostRounds;
 }
 
 /// What a scale led to.
@@ -129,7 +100,7 @@ void solve(const Correspondences& correspondences, double noise_bound, std::uint
     const StageClock stage_clock(similarity_report.seconds);
     Similarity similarity = trials[best].similarity;
     if (refinement == Refinement::full) {
-      similarity_report.iterations = refine(correspondences, noise_bound, similarity);
+      similarity_report.iterations = refine_similarity(correspondences, noise_bound, similarity);
     }
     const Correspondences scaled = correspondences.with_scaled_source(similarity.scale);
     const PoseTest test{noise_bound, times(bounds_tried, scales_told_apart(scaled, noise_bound, seed))};

@@ -11,6 +11,7 @@
 
 #include "call/stage_clock.hpp"
 #include "verdict/ambiguity.hpp"
+#include "verdict/another_scale.hpp"
 #include "verdict/false_poses.hpp"
 #include "verdict/pose_checks.hpp"
 #include "verdict/shifted_motion.hpp"
@@ -20,9 +21,6 @@ namespace {
 
 // The deviation of a residual per axis, where it is not estimated: the noise bound is three of them.
 constexpr double kSigmaPerBound = 1.0 / 3.0;
-// Scales of right poses differ from 1 by less.
-constexpr double kCalibration = 0.02;
-constexpr double kScaleDeviations = 5.0;
 
 // log10 of false poses down to which repeated structure is looked for: three times what success needs. A shift with
 // less than half of the support does not repeat the pose.
@@ -113,18 +111,6 @@ std::vector<std::uint32_t> agreeing_rows(const Correspondences& correspondences,
   return rows_agreeing_with(correspondences, {rows.front(), rows[rows.size() / 2], rows.back()}, test.noise_bound);
 }
 
-// Whether the supporters of a pose agree on another scale: it explains more than half of their residuals, and differs
-// by many deviations and more than a calibration does. They are the rows near a centre that such a pose turns and grows
-// about, and tell nothing of the rest.
-bool is_at_another_scale(const FinalPose& final) {
-  const double difference = std::abs(final.scale - 1.0);
-  if (!(final.scale_deviation > 0.0) || difference < kCalibration) return false;
-  // Another scale is itself an error that the supporters share: the deviation is that of independent ones.
-  const double deviations = difference * std::sqrt(final.shared_errors) / final.scale_deviation;
-  return deviations > kScaleDeviations &&
-         2.0 * deviations * deviations > 3.0 * static_cast<double>(final.inliers.size());
-}
-
 // The pose that is most likely near one. Which pose has the largest score about it depends on the way there, and rows
 // at the rim, which decide over a dozen places, come and go; likelihood has one maximum.
 PoseCandidate most_likely(const Correspondences& correspondences, const PoseCandidate& start, double noise_bound) {
@@ -202,7 +188,8 @@ FinalPose finish(const Correspondences& correspondences, const PoseTest& test, B
   final.scale_deviation = refined.scale_deviation;
   final.shared_errors = refined.shared_errors;
   final.centre = refined.centre;
-  final.rotation_deviation = rotation_deviation(view, pose, tau, refined.sigma);
+  final.is_determined = rotation_deviation(view, pose, tau, refined.sigma) <= kLargestRotationDeviation &&
+                        !hangs_on_one_supporter(view, final.inliers, tau, refined.sigma);
   final.log10_false_poses = false_poses + elementary::log10(std::max(test.bounds_tried, 1U));
   return final;
 }
@@ -213,15 +200,17 @@ void conclude(const Correspondences& correspondences, const PoseTest& test, cons
   const bool supported = final.inliers.size() >= 3;
   const std::vector<std::uint32_t> agreeing =
       supported && final.was_runner_up ? agreeing_rows(correspondences, final, test) : set;
-  if (supported ? final.rotation_deviation > kLargestRotationDeviation : coincident_or_collinear(correspondences)) {
+  if (supported ? !final.is_determined : coincident_or_collinear(correspondences)) {
     result.status = Status::degenerate_geometry;
   } else if (const std::size_t mirrored = mirrored_supporters(correspondences, agreeing, test.noise_bound);
              is_mirrored(mirrored, final.inliers.size())) {
     result.status = Status::no_consensus;
-    result.mirrored = is_mirror_image(mirrored, agreeing.size());
-  } else if (!supported || final.log10_false_poses >= kSignificant || is_at_another_scale(final)) {
+    result.mirrored = is_mirror_image(mirrored, agreeing.size(), correspondences.size());
+  } else if (!supported || final.log10_false_poses >= kSignificant) {
     result.status = Status::no_consensus;
-    if (supported && !is_at_another_scale(final)) result.refused = refused_pose(correspondences, final, result);
+    if (supported) result.refused = refused_pose(correspondences, final, result);
+  } else if (is_at_another_scale(correspondences, test, final)) {
+    result.status = Status::no_consensus;
   } else {
     std::optional<RunnerUp> rival = runner_up(correspondences, test, poses);
     const bool as_good = rival && is_rival(rival->support, poses.best().support.count);

@@ -19,7 +19,7 @@ namespace consimd::detail {
 struct FinalPose {
   RigidTransform pose = RigidTransform::Identity();  ///< working frame
   std::vector<std::uint32_t> inliers;
-  double rotation_deviation = 0.0;
+  bool is_determined = false;  ///< all of the pose, by its supporters
   double log10_false_poses = 0.0;
   std::uint32_t rounds = 0;
   bool was_runner_up = false;  ///< or else another than the best pose of the search

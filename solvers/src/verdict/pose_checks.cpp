@@ -24,41 +24,98 @@ constexpr double kResolution = 1e-7;
 constexpr double kEverything = 8.0;
 // A reflection explains thin scenes nearly as well as the pose does; this many times its supporters tell.
 constexpr double kMirrorSupportRatio = 1.1;
-// Rows of a set that agree in length with one another and in place under a reflection: by chance hardly so many.
+// Rows of a set that agree in length with one another and in place under a reflection: by chance hardly so many. Where
+// there are no others to choose from four do, the fewest that are not their own mirror image.
 constexpr std::size_t kLeastImage = 8;
+constexpr std::size_t kLeastOfAll = 4;
+// Rows that a turn would bring into place by chance, from which on one that it does tells nothing.
+constexpr double kChosenByChance = 1e-3;
 
-// With the moments of the supporters and the deviation of a residual in the working frame.
-double rotation_deviation(const RigidMoments& moments, double working_sigma) {
-  const Eigen::Vector3d axes =
-      Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(central_source_scatter(moments)).eigenvalues();
+Eigen::Vector3d eigenvalues(const Eigen::Matrix3d& scatter) {
+  return Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(scatter, Eigen::EigenvaluesOnly).eigenvalues();
+}
+
+// Standard deviation of the rotation about the least certain axis. `scatter`: of the supporters' sources about their
+// centroid, `working_sigma`: of a residual per axis, both in the working frame.
+double rotation_deviation(const Eigen::Matrix3d& scatter, double working_sigma) {
+  const Eigen::Vector3d axes = eigenvalues(scatter);
   return working_sigma / std::sqrt(std::max(axes[0] + axes[1], 0.0));
 }
+
+double working_sigma(const CorrespondenceView& view, double sigma) {
+  return std::max(sigma * view.scale(), kResolution);
+}
+
+Eigen::Vector3d source_vector(const CorrespondenceView& view, std::size_t k) {
+  return {view.source(0)[k], view.source(1)[k], view.source(2)[k]};
+}
+
+// Number, centroid and scatter about it of points that are added.
+struct Scatter {
+  double count = 0.0;
+  Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+  Eigen::Matrix3d squares = Eigen::Matrix3d::Zero();
+
+  void add(const Eigen::Vector3d& point, double times = 1.0) {
+    count += times;
+    sum += times * point;
+    squares += times * point * point.transpose();
+  }
+  [[nodiscard]] Eigen::Vector3d centroid() const { return sum / count; }
+  [[nodiscard]] Eigen::Matrix3d about_centroid() const { return squares - sum * sum.transpose() / count; }
+};
 
 }  // namespace
 
 double rotation_deviation(const CorrespondenceView& view, const WorkingPose& pose, double noise_bound, double sigma) {
-  return rotation_deviation(row_blocks::robust_moments(view, pose, {.scale = noise_bound, .cutoff = noise_bound}),
-                            std::max(sigma * view.scale(), kResolution));
+  const RigidMoments moments = row_blocks::robust_moments(view, pose, {.scale = noise_bound, .cutoff = noise_bound});
+  return rotation_deviation(central_source_scatter(moments), working_sigma(view, sigma));
+}
+
+bool hangs_on_one_supporter(const CorrespondenceView& view, const std::vector<std::uint32_t>& supporters,
+                            double noise_bound, double sigma) {
+  if (supporters.size() < 3) return true;
+  Scatter scatter;
+  for (const std::uint32_t row : supporters) scatter.add(source_vector(view, row));
+  // All but one are on a line: all are in a plane.
+  const double undetermined = std::pow(working_sigma(view, sigma) / kLargestRotationDeviation, 2.0);
+  if (eigenvalues(scatter.about_centroid())[0] > undetermined) return false;
+  const auto others = [&](std::uint32_t row) {
+    Scatter of_others = scatter;
+    of_others.add(source_vector(view, row), -1.0);
+    return of_others;
+  };
+  const auto tells = [&](std::uint32_t row) {
+    const Eigen::Vector3d axes = eigenvalues(others(row).about_centroid());
+    return axes[0] + axes[1];
+  };
+  const std::uint32_t pivot = *std::ranges::min_element(supporters, {}, tells);
+  if (tells(pivot) > undetermined) return false;
+  // The chance that a row is as far along the line, and from it, in both clouds is that of two lengths to agree: the
+  // rows spread over some square root of twelve deviations.
+  const Scatter on_line = others(pivot);
+  const Eigen::Vector3d line =
+      Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(on_line.about_centroid()).eigenvectors().col(2);
+  Scatter all;
+  for (std::size_t k = 0; k < view.size(); ++k) all.add(source_vector(view, k) - on_line.centroid());
+  const double squared_along = line.dot(all.squares * line) / all.count;
+  const double squared_off = all.squares.trace() / all.count - squared_along;
+  const double bound = noise_bound * view.scale();
+  const auto agree = [&](double square) { return std::min(2.0 * bound / std::sqrt(12.0 * square), 1.0); };
+  return all.count * agree(squared_along) * agree(squared_off) > kChosenByChance;
 }
 
 bool coincident_or_collinear(const Correspondences& correspondences) {
   // In double precision: sums of the kernels, in single, would give a line some width.
   const CorrespondenceView view = correspondences.view();
-  double count = 0.0;
-  Eigen::Vector3d sum = Eigen::Vector3d::Zero();
-  Eigen::Matrix3d squares = Eigen::Matrix3d::Zero();
+  Scatter scatter;
   for (std::size_t k = 0; k < view.size(); ++k) {
-    const Eigen::Vector3d point(view.source(0)[k], view.source(1)[k], view.source(2)[k]);
-    if (!point.allFinite()) continue;
-    count += 1.0;
-    sum += point;
-    squares += point * point.transpose();
+    if (const Eigen::Vector3d point = source_vector(view, k); point.allFinite()) scatter.add(point);
   }
-  if (count < 3.0) return true;
-  const Eigen::Vector3d axes =
-      Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(squares - sum * sum.transpose() / count).eigenvalues();
+  if (scatter.count < 3.0) return true;
+  const Eigen::Vector3d axes = Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(scatter.about_centroid()).eigenvalues();
   // What rounding adds across the line, two axes of it, is no information.
-  const double across = axes[0] + axes[1] - 2.0 * count * kResolution * kResolution;
+  const double across = axes[0] + axes[1] - 2.0 * scatter.count * kResolution * kResolution;
   return kResolution > kLargestRotationDeviation * std::sqrt(std::max(across, 0.0));
 }
 
@@ -102,8 +159,9 @@ bool is_mirrored(std::size_t mirrored_supporters, std::size_t supporters) {
   return static_cast<double>(mirrored_supporters) > kMirrorSupportRatio * static_cast<double>(supporters);
 }
 
-bool is_mirror_image(std::size_t mirrored_supporters, std::size_t set_size) {
-  return mirrored_supporters >= kLeastImage && 2 * mirrored_supporters > set_size;
+bool is_mirror_image(std::size_t mirrored_supporters, std::size_t set_size, std::size_t rows) {
+  const std::size_t least = std::clamp(rows, kLeastOfAll, kLeastImage);
+  return mirrored_supporters >= least && 2 * mirrored_supporters > set_size;
 }
 
 }  // namespace consimd::detail

@@ -17,6 +17,13 @@ inline constexpr double kLargestRotationDeviation = 0.35;
 /// pose's supporters. sigma: of their residuals per axis, caller's unit.
 double rotation_deviation(const CorrespondenceView& view, const WorkingPose& pose, double noise_bound, double sigma);
 
+/// Whether the rotation hangs on one supporter, without which the others leave it less certain than
+/// kLargestRotationDeviation, and one row or another would take its place: about the line that the others lie on a pose
+/// can be turned until a row fits that is as far along the line, and from it, in both clouds. `supporters`: rows within
+/// the noise bound. sigma as above.
+bool hangs_on_one_supporter(const CorrespondenceView& view, const std::vector<std::uint32_t>& supporters,
+                            double noise_bound, double sigma);
+
 /// Whether all sources coincide or lie on a line, as far as single precision tells.
 bool coincident_or_collinear(const Correspondences& correspondences);
 
@@ -32,7 +39,7 @@ std::size_t mirrored_supporters(const Correspondences& correspondences, const st
 /// Whether so many are clearly more than the pose has supporters.
 [[nodiscard]] bool is_mirrored(std::size_t mirrored_supporters, std::size_t supporters);
 
-/// Whether so many of the set are a mirror image and no coincidence.
-[[nodiscard]] bool is_mirror_image(std::size_t mirrored_supporters, std::size_t set_size);
+/// Whether so many of the set, found among so many rows, are a mirror image and no coincidence.
+[[nodiscard]] bool is_mirror_image(std::size_t mirrored_supporters, std::size_t set_size, std::size_t rows);
 
 }  // namespace consimd::detail

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <string_view>
 #include <vector>
 
@@ -24,7 +25,8 @@ enum class PointGeometry : std::uint8_t {
 struct AssumedInliers {
   /// status: success, too_few_correspondences or degenerate_geometry. The inliers are all rows; noise_bound is the
   /// largest residual; nothing is searched, so log10_false_poses is 0 and says nothing. The covariance is that of least
-  /// squares with the deviation that the residuals show.
+  /// squares with the deviation that the residuals show. `mirrored`, with the pose, where a reflection leaves less than
+  /// a tenth of the deviation.
   Registration registration;
   PointGeometry geometry = PointGeometry::determined;
   /// |R p + t - q| of each row, caller's unit. Empty without a pose.
@@ -32,6 +34,8 @@ struct AssumedInliers {
   /// Standard deviation of a residual per axis with 3 N - 6 degrees of freedom, caller's unit. With three or four rows
   /// a pose fits nearly anything: few degrees of freedom make this a rough number.
   double sigma = 0.0;
+  /// The scale of the sources with which less than a tenth of the deviation is left; none where none does.
+  std::optional<double> other_scale;
 };
 
 /// The least-squares pose of all correspondences (Kabsch 1976, Horn 1987), three or more, every one taken as right:
