@@ -6,6 +6,7 @@
 
 #include <consimd/kernels/correspondences.hpp>
 #include <consimd/kernels/kernel_data.hpp>
+#include <consimd/poses/rigid_fit.hpp>
 #include <consimd/solvers/noise_bound.hpp>
 #include <consimd/solvers/registration.hpp>
 #include <consimd/solvers/stop_condition.hpp>
@@ -29,5 +30,10 @@ BoundSearch search_noise_bound(const Correspondences& correspondences, std::uint
 /// The registration of the pose that an estimate rests on, the others being what it has to stand up to. `found` has
 /// poses.
 Registration register_tried_poses(const Correspondences& correspondences, const BoundSearch& found, std::uint64_t seed);
+
+/// Whether a pose that was found with an estimated bound is what chance gives once the bound is that of its residuals:
+/// structure makes some poses significant at bounds that are not theirs. Caller's frame and unit.
+bool is_chance_at_its_noise(const Correspondences& correspondences, const RigidTransform& T_target_source,
+                            double noise_bound);
 
 }  // namespace consimd::detail

@@ -74,19 +74,26 @@ double freedom_factor(double supporters) {
 
 bool are_alike(double bound, double other) { return bound < other * kSettledFactor && other < bound * kSettledFactor; }
 
-// Three times the scale of the residuals around the pose, from the bound that it was found with. Where the pose is
-// significant with that and is not with what is measured, of what lies between the first that will do.
-double measured_bound(const Correspondences& correspondences, CloseLooks& looks, const Attempt& attempt) {
-  WorkingPose pose = attempt.pose;
-  double bound = attempt.bound;
+// Three times the scale of the residuals around the pose, from the bound that it was found with, and the pose that is
+// most likely with it.
+Attempt measured(const Correspondences& correspondences, const Attempt& attempt) {
+  Attempt result = attempt;
   for (int m = 0; m < kMeasurements; ++m) {
-    const RefinedPose refined = refine_pose(correspondences, pose, {bound});
+    const RefinedPose refined = refine_pose(correspondences, result.pose, {result.bound});
     if (!refined.fit.determined()) break;
-    pose = to_working_pose(refined.fit.pose);
-    const double former = bound;
-    bound = std::max(kDeviations * refined.sigma * freedom_factor(refined.inliers), correspondences.resolution());
-    if (are_alike(bound, former)) break;
+    result.pose = to_working_pose(refined.fit.pose);
+    const double former = result.bound;
+    result.bound =
+        std::max(kDeviations * refined.sigma * freedom_factor(refined.inliers), correspondences.resolution());
+    if (are_alike(result.bound, former)) break;
   }
+  return result;
+}
+
+// The measured bound. Where the pose is significant with that of the attempt and is not with what is measured, of what
+// lies between the first that will do.
+double measured_bound(const Correspondences& correspondences, CloseLooks& looks, const Attempt& attempt) {
+  auto [bound, pose, unused] = measured(correspondences, attempt);
   if (looks.is_significant(pose, bound) || !looks.is_significant(attempt.pose, attempt.bound)) {
     return bound;
   }
@@ -233,6 +240,15 @@ BoundSearch search_noise_bound(const Correspondences& all, std::uint64_t seed, c
   if (estimate.log10_false_poses >= kSignificant) return {estimate, {}};
   poses.insert(poses.begin(), chosen.pose);
   return {estimate, std::move(poses)};
+}
+
+bool is_chance_at_its_noise(const Correspondences& all, const RigidTransform& T_target_source, double noise_bound) {
+  const DistinctRows rows(all);
+  const Correspondences& correspondences = rows.correspondences();
+  const Attempt at_noise =
+      measured(correspondences, {noise_bound, to_working_pose(to_working_frame(T_target_source, correspondences))});
+  if (are_alike(at_noise.bound, noise_bound) || glance(correspondences, at_noise) < kBeyondDoubt) return false;
+  return CloseLooks(correspondences).log10_false_poses(at_noise.pose, at_noise.bound) >= 0.0;
 }
 
 }  // namespace consimd::detail

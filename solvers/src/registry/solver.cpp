@@ -104,7 +104,9 @@ Registration register_in_arena(const SolverCall& solver, const Correspondences& 
   if (result.status == Status::no_consensus && !found.poses.empty()) {
     fall_back_on(detail::register_tried_poses(correspondences, found, options.seed), result);
   }
-  if (result.has_pose() && detail::hides_another_scale(correspondences, result.T_target_source, result.noise_bound)) {
+  if (result.has_pose() &&
+      (detail::hides_another_scale(correspondences, result.T_target_source, result.noise_bound) ||
+       detail::is_chance_at_its_noise(correspondences, result.T_target_source, result.noise_bound))) {
     refuse(result);
   }
   estimation.output = result.inliers.size();
