@@ -200,6 +200,9 @@ class Register(CommandTest):
             text.replace("\n", "\r\n"),
             "\n# head\n" + text.replace("\n", " # note\n"),
             text.rstrip("\n"),
+            text.replace("\n", "\r"),
+            ",".join(["x1", "y1", "z1", "x2", "y2", "z2"]) + "\r" + text.replace(" ", ",").replace("\n", "\r"),
+            "\n".join(",".join(f'"{word}"' for word in line.split()) for line in text.splitlines()[1:]),
         ):
             run = self.json(self.write("variant.txt", variant), "--noise-bound", 0.3)["runs"][0]
             self.assertEqual(run["T_target_source"], expected)
@@ -316,9 +319,14 @@ class Register(CommandTest):
     def test_bad_files(self):
         good = "1 2 3 4 5 6\n" * 5
         for text, says in (
-            ("", "expected at least 3 correspondences, got 0"),
+            ("", "bad.txt: is empty, expected lines of numbers"),
             ("# nothing\n\n", "got 0"),
-            ("1 2 3 4 5 6\n" * 2, "got 2"),
+            ("1 2 3 4 5 6\n" * 2, "bad.txt: expected at least 3 correspondences, got 2: a pose needs three"),
+            ("1\n" * 9, "bad.txt:1: expected 6 numbers, got 1: a correspondence is a line of source x y z and target x y z"),
+            (good + "1;;2;3;4;5;6\n", "bad.txt:6: column 2 is empty, between two semicolons: fill it in or remove the line"),
+            (good + "1,5 2 3 4 5 6\n", "bad.txt:6: '1,5' has a decimal comma: write decimal points, as 'tr , . < FILE' does"),
+            ("1,5;2,5;3;4;5;6\n" * 5, "bad.txt:1: '1,5' is not a number: write decimal points, as 'tr , . < FILE' does"),
+
             (good + "1 2 3 4 5\n", "bad.txt:6: expected 6 numbers, got 5"),
             (good + "\n1 2 3 4 5 6 7\n", "bad.txt:7: expected 6 numbers, got 7"),
             (good + "1 2 three 4 5 6\n" + good, "bad.txt:6: 'three' is not a number"),
