@@ -54,17 +54,6 @@ std::string correspondences_text(const Problem& problem) {
   return text;
 }
 
-std::string pose_text(const RigidTransform& pose, double scale) {
-  Eigen::Matrix<double, 4, 4, Eigen::RowMajor> rows = pose.matrix();
-  rows.topLeftCorner<3, 3>() *= scale;
-  std::string text;
-  for (std::size_t row = 0; row < 4; ++row) {
-    append_row(text, std::span(rows.data() + 4 * row, 4));
-    text += '\n';
-  }
-  return text;
-}
-
 std::string labels_text(const Problem& problem) {
   std::string text;
   for (const std::uint8_t label : problem.is_inlier) text += label != 0 ? "1\n" : "0\n";
@@ -255,6 +244,17 @@ void write_problem(const Problem& problem, const fs::path& folder) {
   pose.commit();
   labels.commit();
   if (case_file) case_file->commit();
+}
+
+std::string pose_text(const RigidTransform& pose, double scale) {
+  Eigen::Matrix<double, 4, 4, Eigen::RowMajor> rows = pose.matrix();
+  rows.topLeftCorner<3, 3>() *= scale;
+  std::string text;
+  for (std::size_t row = 0; row < 4; ++row) {
+    append_row(text, std::span(rows.data() + 4 * row, 4));
+    text += '\n';
+  }
+  return text;
 }
 
 void write_pose(const RigidTransform& pose, double scale, const fs::path& path) {

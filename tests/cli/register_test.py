@@ -352,12 +352,53 @@ class Register(CommandTest):
             for value in ("0", "-1", "x", "1.5", "99999999999"):
                 self.assert_error("register", file, "--noise-bound", 1, option, value, says=option)
         self.assert_error("register", file, "--noise-bound", 1, "--seed", "-1", says="--seed")
-        self.assert_error("register", file, "--source-viewpoint", "none", says="none is of clouds")
-        self.assert_error("register", file, "--target-viewpoint", "1,2,3", says="are of two clouds")
-        self.assert_error("register", file, "--save-pose", "-", says="--save-pose: expected a file")
-        self.assert_error("register", file, "--save-pose", "out", "--save-inliers", "out",
-                          says="--save-inliers: 'out' is written twice")
+        for wrong in ("none", "rubbish", "1,2", ""):
+            self.assert_error("register", file, "--source-viewpoint", wrong,
+                              says=f"--source-viewpoint: expected X,Y,Z of correspondences, got '{wrong}'")
+        for value in ("1,2,3", "0,0,0", "none", "rubbish"):
+            self.assert_error("register", file, "--target-viewpoint", value,
+                              says=f"--target-viewpoint {value} is of two clouds, SOURCE and TARGET")
+        self.assert_error("register", file, "--voxel", 2, "--refine", "plane",
+                          says="--voxel 2, --refine plane are of two clouds, SOURCE and TARGET, that are matched here")
+        self.assert_error("register", file, file, "--pairs", "rows", "--voxel", 2,
+                          says="--voxel 2 is of two clouds, SOURCE and TARGET, that are matched here; --pairs tells which")
+
+    def test_outputs_that_cannot_be(self):
+        file = self.write("good.txt", "1 2 3 4 5 6\n" * 5)
+        for option in ("--save-aligned", "--view", "--picture", "--save-correspondences"):
+            self.assert_error("register", file, file, option, "-", says=f"{option}: expected a file; only --json,")
+        self.assert_error("register", file, "--save-pose", "out", "--save-inliers", "./out",
+                          says="--save-inliers: './out' is written twice, by --save-pose too")
         self.assert_error("register", file, "--json", "out", "--save-pose", "out", says="'out' is written twice")
+        self.assert_error("register", file, file, "--json", "out", "--save-correspondences", "out",
+                          says="--save-correspondences: 'out' is written twice, by --json too")
+        for first, second in (("--json", "--save-pose"), ("--json", "--save-inliers"), ("--save-pose", "--save-inliers")):
+            self.assert_error("register", file, first, "-", second, "-", says=f"'-' is written twice, by {first} too")
+
+    def test_pose_and_inliers_on_the_standard_output(self):
+        file = self.problem()
+        self.run_command("register", file, "--noise-bound", 0.3, "--save-pose", "pose.txt", "--save-inliers", "inliers.txt")
+        for option, name in (("--save-pose", "pose.txt"), ("--save-inliers", "inliers.txt")):
+            expected = (self.folder / name).read_text()
+            self.assertEqual(self.run_command("register", file, "--noise-bound", 0.3, option, "-"), expected)
+            out = self.run_command("register", file, "--noise-bound", 0.3, option, "-", "--json", "out.json")
+            self.assertEqual(out, expected)
+            json.loads((self.folder / "out.json").read_text())
+        self.assertFalse((self.folder / "-").exists())
+        degenerate = self.write("degenerate.txt", "1 1 1 2 2 2\n" * 50)
+        process = self.start("register", degenerate, "--noise-bound", 0.3, "--save-pose", "-")
+        self.assertEqual(process.communicate(timeout=300), ("", "consimd: no pose: degenerate_geometry\n"))
+        self.assertEqual(process.returncode, 1)
+
+    def test_viewpoint(self):
+        file = self.problem()
+        result = self.json(file, "--noise-bound", 0.3, "--source-viewpoint", "1,-2.5,3e2")
+        self.assertEqual(list(result)[6:], ["source_viewpoint", "runs"])
+        self.assertEqual(result["source_viewpoint"], [1, -2.5, 300])
+        self.assertEqual(self.json(file, "--noise-bound", 0.3, "--source-viewpoint", "0,0,0")["source_viewpoint"], [0, 0, 0])
+        help_text = " ".join(self.run_command("register", "--help").split())
+        self.assertIn("Of clouds also none, and they are turned up", help_text)
+        self.assertEqual(help_text.count("-viewpoint TEXT=0,0,0"), 2)
 
     def test_unwritable_json(self):
         file = self.write("good.txt", "1 2 3 4 5 6\n" * 5)
