@@ -48,29 +48,62 @@ features::MatchOptions matches_of(const std::string& text) {
   throw std::invalid_argument(fmt::format("--matches: expected mutual:K or nearest:K, K from 1 to 8, got '{}'", text));
 }
 
-}  // namespace
-
-std::optional<std::array<double, 3>> viewpoint_of(const char* option, const std::string& text) {
-  if (text == "none") return std::nullopt;
+/// X,Y,Z, or nothing where the text is something else.
+Viewpoint place_of(const std::string& text) {
   std::array<double, 3> place{};
   const char* at = text.data();
   const char* const end = text.data() + text.size();
   for (std::size_t axis = 0; axis < 3; ++axis) {
     const auto [rest, error] = std::from_chars(at, end, place[axis]);
     const bool ends_well = axis < 2 ? rest != end && *rest == ',' : rest == end;
-    if (error != std::errc() || !ends_well || !std::isfinite(place[axis])) {
-      throw std::invalid_argument(fmt::format("{}: expected X,Y,Z or none, got '{}'", option, text));
-    }
+    if (error != std::errc() || !ends_well || !std::isfinite(place[axis])) return std::nullopt;
     at = rest + (axis < 2 ? 1 : 0);
   }
   return place;
 }
 
-bool CloudArguments::given() const {
+Viewpoint cloud_viewpoint(const char* option, const std::optional<std::string>& text) {
+  if (!text) return std::array{0.0, 0.0, 0.0};
+  if (text == "none") return std::nullopt;
+  if (const Viewpoint place = place_of(*text)) return place;
+  throw std::invalid_argument(fmt::format("{}: expected X,Y,Z or none, got '{}'", option, *text));
+}
+
+}  // namespace
+
+Viewpoint source_viewpoint_of(const CloudArguments& arguments) {
+  return cloud_viewpoint("--source-viewpoint", arguments.source_viewpoint);
+}
+
+Viewpoint target_viewpoint_of(const CloudArguments& arguments) {
+  return cloud_viewpoint("--target-viewpoint", arguments.target_viewpoint);
+}
+
+Viewpoint row_viewpoint_of(const CloudArguments& arguments) {
+  const std::optional<std::string>& text = arguments.source_viewpoint;
+  if (!text) return std::nullopt;
+  if (const Viewpoint place = place_of(*text)) return place;
+  throw std::invalid_argument(
+      fmt::format("--source-viewpoint: expected X,Y,Z of correspondences, got '{}'{}", *text,
+                  text == "none" ? ", which is of clouds: leave the option out for the origin" : ""));
+}
+
+std::vector<std::string> CloudArguments::given() const {
   const CloudArguments defaults;
-  return voxel || missing || keypoints != defaults.keypoints || matches != defaults.matches ||
-         target_viewpoint != defaults.target_viewpoint || !save_correspondences.empty() || no_verification || refine ||
-         !save_aligned.empty();
+  std::vector<std::string> options;
+  const auto add = [&](bool is_given, const char* option, const auto& value) {
+    if (is_given) options.push_back(fmt::format("{} {}", option, value));
+  };
+  add(voxel.has_value(), "--voxel", voxel.value_or(0.0));
+  add(keypoints != defaults.keypoints, "--keypoints", keypoints);
+  add(matches != defaults.matches, "--matches", matches);
+  add(missing.has_value(), "--missing", missing.value_or(0.0));
+  add(target_viewpoint.has_value(), "--target-viewpoint", target_viewpoint.value_or(""));
+  add(!save_correspondences.empty(), "--save-correspondences", save_correspondences);
+  if (no_verification) options.emplace_back("--no-verification");
+  add(refine.has_value(), "--refine", refine.value_or(""));
+  add(!save_aligned.empty(), "--save-aligned", save_aligned);
+  return options;
 }
 
 void add_cloud_options(CLI::App& command, CloudArguments& arguments) {
@@ -93,14 +126,14 @@ void add_cloud_options(CLI::App& command, CloudArguments& arguments) {
   command
       .add_option("--source-viewpoint", arguments.source_viewpoint,
                   "Where the source was scanned from, X,Y,Z in its own frame: matches tend to keep the range about the "
-                  "sensor, and surfaces of a cloud are turned to it; or, of clouds, none: they are turned up")
-      ->capture_default_str();
+                  "sensor, and surfaces of a cloud are turned to it. Of clouds also none, and they are turned up")
+      ->default_str("0,0,0");
   command
       .add_option(
           "--target-viewpoint", arguments.target_viewpoint,
-          "Of clouds: the same of the target. Of a map of many scans none, and of what is registered to it too: "
-          "surfaces that are turned in different ways do not match")
-      ->capture_default_str();
+          "Of clouds: the same of the target, X,Y,Z or none. Of a map of many scans none, and of what is registered to "
+          "it too: surfaces that are turned in different ways do not match")
+      ->default_str("0,0,0");
 }
 
 void add_refinement_options(CLI::App& command, CloudArguments& arguments) {
@@ -114,12 +147,11 @@ void add_refinement_options(CLI::App& command, CloudArguments& arguments) {
 }
 
 features::CloudMatchingOptions matching_options(const CloudArguments& arguments, std::uint64_t seed) {
-  features::CloudMatchingOptions options{
-      .voxel = arguments.voxel,
-      .matches = matches_of(arguments.matches),
-      .seed = seed,
-      .source_viewpoint = viewpoint_of("--source-viewpoint", arguments.source_viewpoint),
-      .target_viewpoint = viewpoint_of("--target-viewpoint", arguments.target_viewpoint)};
+  features::CloudMatchingOptions options{.voxel = arguments.voxel,
+                                         .matches = matches_of(arguments.matches),
+                                         .seed = seed,
+                                         .source_viewpoint = source_viewpoint_of(arguments),
+                                         .target_viewpoint = target_viewpoint_of(arguments)};
   choose_keypoints(arguments.keypoints, options);
   return options;
 }

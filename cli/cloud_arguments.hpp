@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include <CLI/CLI.hpp>
 
@@ -20,21 +21,28 @@ struct CloudArguments {
   std::string keypoints = "random:5000";
   std::string matches = "mutual:3";
   std::optional<double> missing;
-  std::string target_viewpoint = "0,0,0";
+  std::optional<std::string> target_viewpoint;
   std::string save_correspondences;
   // What only `register` takes.
   bool no_verification = false;
   std::optional<std::string> refine;
   std::string save_aligned;
   // What correspondences take as well.
-  std::string source_viewpoint = "0,0,0";
+  std::optional<std::string> source_viewpoint;
 
-  /// Whether any of them was given.
-  [[nodiscard]] bool given() const;
+  /// Those that were given and are of clouds alone, each with its value.
+  [[nodiscard]] std::vector<std::string> given() const;
 };
 
-/// X,Y,Z, or nothing where the text is "none". Throws std::invalid_argument that names the option on other text.
-[[nodiscard]] std::optional<std::array<double, 3>> viewpoint_of(const char* option, const std::string& text);
+using Viewpoint = std::optional<std::array<double, 3>>;
+
+/// Where the clouds were scanned from: the origins of their frames where nothing was given, nowhere if "none" was.
+/// Throws std::invalid_argument that names the option on other text than X,Y,Z.
+[[nodiscard]] Viewpoint source_viewpoint_of(const CloudArguments& arguments);
+[[nodiscard]] Viewpoint target_viewpoint_of(const CloudArguments& arguments);
+
+/// The same of the source of correspondences, if it was given. Throws as above, also on "none".
+[[nodiscard]] Viewpoint row_viewpoint_of(const CloudArguments& arguments);
 
 void add_cloud_options(CLI::App& command, CloudArguments& arguments);
 

@@ -49,6 +49,8 @@ Json cloud_json(const features::CloudSummary& cloud) {
           {"resolution", std::isfinite(cloud.resolution) ? Json(cloud.resolution) : Json(nullptr)}};
 }
 
+Json viewpoint_json(const Viewpoint& viewpoint) { return viewpoint ? Json(*viewpoint) : Json(nullptr); }
+
 Json refinement_json(const std::optional<features::Refinement>& refinement) {
   if (!refinement) return nullptr;
   return {{"status", to_string(refinement->status)},
@@ -296,9 +298,12 @@ std::string to_json(const RegisterReport& report) {
                       {"voxel", report.clouds->voxel},
                       {"keypoints", report.cloud_arguments.keypoints},
                       {"matches", report.cloud_arguments.matches},
+                      {"source_viewpoint", viewpoint_json(source_viewpoint_of(report.cloud_arguments))},
+                      {"target_viewpoint", viewpoint_json(target_viewpoint_of(report.cloud_arguments))},
                       {"hint", report.clouds->hint},
                       {"stages", stages_json(report.clouds->stages)}};
   }
+  if (report.row_viewpoint) head["source_viewpoint"] = *report.row_viewpoint;
   if (!report.options.empty()) head["options"] = options_json(report.options);
   if (report.cloud_arguments.refine) head["refine"] = *report.cloud_arguments.refine;
   if (report.estimate_scale) head["estimate_scale"] = true;

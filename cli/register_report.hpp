@@ -26,6 +26,7 @@ struct RegisterReport {
   std::string file;
   std::optional<features::CloudMatches> clouds = {};  ///< what `file` and another were matched to
   CloudArguments cloud_arguments = {};                ///< as given, of clouds
+  Viewpoint row_viewpoint = {};                       ///< of the source of correspondences, if it was given
   std::size_t correspondences = 0;
   std::string isa;
   int threads = 1;

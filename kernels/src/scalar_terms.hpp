@@ -9,6 +9,9 @@ struct Point {
   float x, y, z;
 };
 
+/// Point i of rows of x, y and z.
+inline Point at(const float* const rows[3], std::size_t i) { return {rows[0][i], rows[1][i], rows[2][i]}; }
+
 inline Point operator-(Point a, Point b) { return {a.x - b.x, a.y - b.y, a.z - b.z}; }
 inline Point operator+(Point a, Point b) { return {a.x + b.x, a.y + b.y, a.z + b.z}; }
 inline Point operator*(float s, Point a) { return {s * a.x, s * a.y, s * a.z}; }

@@ -1,6 +1,7 @@
 // What the library returns, as NumPy arrays.
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <initializer_list>
@@ -47,6 +48,13 @@ template <int Rows, int Columns, int Options>
   std::vector<double> values(Rows * Columns);
   Eigen::Map<Eigen::Matrix<double, Rows, Columns, Eigen::RowMajor>>(values.data()) = matrix;
   return to_array<Array<double, Rows, Columns>>(std::move(values), {Rows, Columns});
+}
+
+[[nodiscard]] inline Array<double, -1, 3> points_array(const std::vector<std::array<double, 3>>& points) {
+  std::vector<double> values;
+  values.reserve(3 * points.size());
+  for (const auto& p : points) values.insert(values.end(), p.begin(), p.end());
+  return to_array<Array<double, -1, 3>>(std::move(values), {points.size(), 3});
 }
 
 [[nodiscard]] inline PoseArray to_array(const RigidTransform& transform) {

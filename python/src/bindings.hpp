@@ -23,6 +23,7 @@ void bind_registration(nanobind::module_& module);
 void bind_problems(nanobind::module_& module);
 void bind_metrics(nanobind::module_& module);
 void bind_features(nanobind::module_& module);
+void bind_cloud_registration(nanobind::module_& module);
 void bind_pictures(nanobind::module_& module);
 void bind_sweep(nanobind::module_& module);
 void bind_compare(nanobind::module_& module);

@@ -17,6 +17,7 @@ NB_MODULE(_core, module) {
   bind_problems(module);
   bind_metrics(module);
   bind_features(module);
+  bind_cloud_registration(module);
   bind_pictures(module);
   bind_sweep(module);
   bind_compare(module);

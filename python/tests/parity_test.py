@@ -23,7 +23,7 @@ CPP_ALONE = {
     | {"log", "log10", "log1p", "exp", "expm1", "tanh", "cbrt", "sine_cosine", "atan2", "asin", "acos"},
     "poses": {"column_points", "row_points", "points_of", "point_pairs"},
     "synth": {"stand_in", "problem_family", "read_correspondences", "read_pose", "read_scaled_pose", "read_problem",
-              "write_pose", "nearest_pose", "labelled_problem"}
+              "write_pose", "pose_text", "nearest_pose", "labelled_problem"}
     | {"with_far_rows", "with_rows_without_depth", "repeated_targets", "all_to_all", "symmetric_part"}
     | {"read_text", "remove_abandoned_files"},
     # Files, the parts that match_clouds is made of, and what consimd.features calls normals.

@@ -15,6 +15,11 @@ struct NumberTable {
   std::vector<double> values;      ///< row after row
   std::vector<std::size_t> ends;   ///< where each row ends in `values`
   std::vector<std::size_t> lines;  ///< which line of the file each row is, from 1
+  /// How many numbers each row would have if a comma between two digits were a decimal one, where it can be: where
+  /// blanks separate them.
+  std::vector<std::size_t> words;
+  std::string decimal_comma;      ///< the first number with such a comma, as messages show it; empty: there is none
+  std::size_t line_of_comma = 0;  ///< its line
 
   [[nodiscard]] std::size_t rows() const noexcept { return ends.size(); }
   [[nodiscard]] std::span<const double> row(std::size_t k) const {
@@ -23,12 +28,25 @@ struct NumberTable {
   }
 };
 
+/// How messages name a file.
+[[nodiscard]] std::string shown_name(const std::filesystem::path& path);
+
 /// Reads lines of numbers, separated by blanks or single commas or semicolons, whatever the locale. '#' starts a
-/// comment; empty lines, CRLF ends, a UTF-8 byte-order mark and a first line of names are allowed. Throws
-/// std::runtime_error "FILE:LINE: what" on anything else: text, NaN or infinity, a decimal comma.
+/// comment; empty lines, ends of lines of all systems (LF, CRLF, CR), a UTF-8 byte-order mark, double quotes around
+/// numbers and a first line of names are allowed. Throws std::runtime_error "FILE:LINE: what" on anything else: text,
+/// NaN or infinity, a decimal comma; "FILE: what" where the whole file is at fault, as an empty one.
 [[nodiscard]] NumberTable read_number_table(const std::filesystem::path& path);
 
-/// Throws std::runtime_error "FILE:LINE: what" unless each row has `columns` numbers.
-void require_columns(const NumberTable& table, std::size_t columns, const std::filesystem::path& path);
+/// Whether all rows have as many numbers.
+[[nodiscard]] bool is_even(const NumberTable& table);
+
+/// Of a table that is not as it should be: throws std::runtime_error "FILE:LINE: what" where all rows would have as
+/// many numbers, `columns` or, of rows of unequal length, more, if their commas were decimal ones.
+void require_no_decimal_commas(const NumberTable& table, std::size_t columns, const std::filesystem::path& path);
+
+/// Throws std::runtime_error "FILE:LINE: what" unless each row has `columns` numbers. form: what the message ends with,
+/// after the numbers.
+void require_columns(const NumberTable& table, std::size_t columns, const std::filesystem::path& path,
+                     const std::string& form = {});
 
 }  // namespace consimd::synth

@@ -1,11 +1,9 @@
 #include <consimd/synth/problem_files.hpp>
 
 #include <algorithm>
-#include <array>
 #include <charconv>
 #include <cmath>
 #include <cstddef>
-#include <initializer_list>
 #include <iterator>
 #include <numbers>
 #include <optional>
@@ -23,6 +21,7 @@
 #include <consimd/synth/noise_study.hpp>
 #include <consimd/synth/pending_file.hpp>
 
+#include "correspondence_rows.hpp"
 #include "number_table.hpp"
 
 namespace consimd::synth {
@@ -50,17 +49,6 @@ std::string correspondences_text(const Problem& problem) {
     append_row(text, std::span(problem.source).subspan(3 * k, 3));
     text += ' ';
     append_row(text, std::span(problem.target).subspan(3 * k, 3));
-    text += '\n';
-  }
-  return text;
-}
-
-std::string pose_text(const RigidTransform& pose, double scale) {
-  Eigen::Matrix<double, 4, 4, Eigen::RowMajor> rows = pose.matrix();
-  rows.topLeftCorner<3, 3>() *= scale;
-  std::string text;
-  for (std::size_t row = 0; row < 4; ++row) {
-    append_row(text, std::span(rows.data() + 4 * row, 4));
     text += '\n';
   }
   return text;
@@ -124,7 +112,7 @@ void require_finite(const Problem& problem) {
 }
 
 [[noreturn]] void fail(const fs::path& path, const std::string& what) {
-  throw std::runtime_error(path.string() + ": " + what);
+  throw std::runtime_error(shown_name(path) + ": " + what);
 }
 
 /// Three significant digits.
@@ -136,115 +124,6 @@ std::string rounded(double value) {
 }
 
 constexpr const char* kReflection = "not a rotation but a reflection: its determinant is negative";
-
-/// A name of a column without quotes, in small letters.
-std::string plain(std::string_view name) {
-  std::string text;
-  for (const char c : name) {
-    if (c != '"') text += c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
-  }
-  return text;
-}
-
-/// Which axis a column with this name has, at its beginning or its end: x1, source_y, "tz"; 3: none.
-std::size_t axis_of(const std::string& name) {
-  std::string letters = name;
-  while (!letters.empty() && ((letters.back() >= '0' && letters.back() <= '9') || letters.back() == '_')) {
-    letters.pop_back();
-  }
-  if (letters.empty()) return 3;
-  constexpr std::string_view kAxes = "xyz";
-  // A name of more letters ends in its axis behind a mark, or is its cloud's letter and the axis, or the other way
-  // round.
-  const std::size_t size = letters.size();
-  const bool marked = size > 2 && (letters[size - 2] == '_' || letters[size - 2] == '.' || letters[size - 2] == ' ');
-  if (size > 2 && !marked) return letters[1] == '_' ? std::min<std::size_t>(kAxes.find(letters[0]), 3) : 3;
-  if (size == 2 && letters[0] == 'n') return 3;  // of a normal
-  const std::size_t last = kAxes.find(letters.back());
-  return last < 3 ? last : std::min<std::size_t>(kAxes.find(letters.front()), 3);
-}
-
-/// Source x y z and target x y z among columns with names, if these tell: six of them are x y z x y z.
-std::optional<std::array<std::size_t, 6>> named_columns(const std::vector<std::string>& names) {
-  std::array<std::size_t, 6> columns{};
-  std::size_t count = 0;
-  for (std::size_t k = 0; k < names.size(); ++k) {
-    const std::size_t axis = axis_of(plain(names[k]));
-    if (axis == 3) continue;
-    if (count == 6 || axis != count % 3) return std::nullopt;
-    columns[count++] = k;
-  }
-  if (count < 6) return std::nullopt;
-  const auto begins = [&](std::size_t k, std::initializer_list<std::string_view> words) {
-    const std::string name = plain(names[columns[k]]);
-    return std::ranges::any_of(words, [&](std::string_view word) { return name.starts_with(word); });
-  };
-  if (begins(0, {"target", "tgt", "ref", "dst"}) && begins(3, {"source", "src"})) {
-    std::rotate(columns.begin(), columns.begin() + 3, columns.end());
-  }
-  return columns;
-}
-
-/// Whether the first number of each row counts the rows, from 0 or 1. Of a few rows that may be chance.
-bool has_index(const NumberTable& table) {
-  constexpr std::size_t kFewest = 8;
-  if (table.rows() < kFewest) return false;
-  const double first = table.row(0)[0];
-  if (first != 0.0 && first != 1.0) return false;
-  for (std::size_t k = 0; k < table.rows(); ++k) {
-    if (table.row(k)[0] != first + static_cast<double>(k)) return false;
-  }
-  return true;
-}
-
-std::array<std::size_t, 6> columns_of(const NumberTable& table, std::size_t width, const fs::path& path) {
-  std::array<std::size_t, 6> columns{0, 1, 2, 3, 4, 5};
-  if (!table.names.empty() && table.names.size() == width) {
-    if (const auto named = named_columns(table.names)) return *named;
-  }
-  if (width == 6) return columns;
-  if (width == 7 && has_index(table)) return {1, 2, 3, 4, 5, 6};
-  fail(path, std::to_string(width) +
-                 " numbers a line, expected 6: say which of them are source x y z and target x y z, counted from 1, as "
-                 "in --columns 2,3,4,5,6,7");
-}
-
-/// Six numbers a row, row-major.
-struct Rows {
-  std::vector<double> values;
-
-  [[nodiscard]] std::size_t size() const noexcept { return values.size() / 6; }
-};
-
-/// chosen: the columns from 1, or none, where the file must tell.
-Rows read_rows(const fs::path& path, std::span<const std::size_t> chosen) {
-  NumberTable table = read_number_table(path);
-  const std::size_t width = table.rows() > 0 ? table.row(0).size() : 6;
-  if (chosen.empty()) {
-    require_columns(table, std::max<std::size_t>(width, 6), path);
-  } else {
-    require_columns(table, width, path);
-  }
-  if (table.rows() < 3) fail(path, "expected at least 3 correspondences, got " + std::to_string(table.rows()));
-  std::array<std::size_t, 6> columns{};
-  if (chosen.empty()) {
-    columns = columns_of(table, width, path);
-  } else {
-    for (std::size_t c = 0; c < 6; ++c) {
-      if (chosen[c] > width) {
-        fail(path, "column " + std::to_string(chosen[c]) + " of " + std::to_string(width) + " in --columns");
-      }
-      columns[c] = chosen[c] - 1;
-    }
-  }
-  if (width == 6 && std::ranges::is_sorted(columns)) return {std::move(table.values)};
-  Rows rows;
-  rows.values.reserve(6 * table.rows());
-  for (std::size_t k = 0; k < table.rows(); ++k) {
-    for (const std::size_t c : columns) rows.values.push_back(table.row(k)[c]);
-  }
-  return rows;
-}
 
 // Products of poses and text of single precision leave as much in the last row.
 constexpr double kLastRowRounding = 1e-6;
@@ -273,10 +152,13 @@ Matrix34 matrix_of_quaternion(std::span<const double> numbers, const fs::path& p
   return matrix;
 }
 
+// What messages about a pose of another form end with.
+constexpr const char* kMatrixForm = ": write the matrix [R t], 3 or 4 rows of 4 numbers";
+
 /// One pose in any of the forms of `read_pose`.
 Matrix34 read_matrix(const fs::path& path) {
   const NumberTable table = read_number_table(path);
-  if (!table.names.empty()) fail(path, "a line of names, expected a pose");
+  if (!table.names.empty()) fail(path, std::string("a line of names, expected a pose") + kMatrixForm);
   const std::span<const double> all(table.values);
   const std::size_t rows = table.rows();
   const auto is = [&](std::size_t k, std::size_t width) { return table.row(k).size() == width; };
@@ -292,12 +174,19 @@ Matrix34 read_matrix(const fs::path& path) {
     if (rows > 0 && all_are(0, rows, width)) poses = rows;
   }
   if (rows > kLogged && rows % kLogged == 0 && is(0, 3) && is(kLogged, 3)) poses = rows / kLogged;
-  if (poses > 1) fail(path, std::to_string(poses) + " poses, expected the one of the pair");
+  const auto require_no_commas = [&] {
+    for (const std::size_t width : {4u, 7u, 8u, 12u, 16u}) require_no_decimal_commas(table, width, path);
+  };
+  if (poses > 1) {
+    require_no_commas();
+    fail(path, std::to_string(poses) + " poses, expected the one of the pair");
+  }
   if (rows == 1 && (is(0, 12) || is(0, 16))) return matrix_of(all, path);
   if (rows == 1 && (is(0, 7) || is(0, 8))) return matrix_of_quaternion(all.last(7), path);
   if (rows == kLogged && is(0, 3) && all_are(1, kLogged, 4)) return matrix_of(all.subspan(3), path);
-  require_columns(table, 4, path);
-  if (rows != 3 && rows != 4) fail(path, "expected 3 or 4 rows, got " + std::to_string(rows));
+  require_no_commas();
+  require_columns(table, 4, path, kMatrixForm);
+  if (rows != 3 && rows != 4) fail(path, "expected 3 or 4 rows, got " + std::to_string(rows) + kMatrixForm);
   return matrix_of(all, path);
 }
 
@@ -357,6 +246,17 @@ void write_problem(const Problem& problem, const fs::path& folder) {
   if (case_file) case_file->commit();
 }
 
+std::string pose_text(const RigidTransform& pose, double scale) {
+  Eigen::Matrix<double, 4, 4, Eigen::RowMajor> rows = pose.matrix();
+  rows.topLeftCorner<3, 3>() *= scale;
+  std::string text;
+  for (std::size_t row = 0; row < 4; ++row) {
+    append_row(text, std::span(rows.data() + 4 * row, 4));
+    text += '\n';
+  }
+  return text;
+}
+
 void write_pose(const RigidTransform& pose, double scale, const fs::path& path) {
   PendingFile(path, pose_text(pose, scale)).commit();
 }
@@ -365,7 +265,7 @@ Correspondences read_correspondences(const fs::path& path, std::span<const std::
   if (!columns.empty() && (columns.size() != 6 || std::ranges::find(columns, std::size_t{0}) != columns.end())) {
     throw std::invalid_argument("columns: expected six of them, counted from 1");
   }
-  const Rows rows = read_rows(path, columns);
+  const CorrespondenceRows rows = read_correspondence_rows(path, columns);
   const PointSpan<double> source{rows.values.data(), rows.size(), 6, 1};
   const PointSpan<double> target{rows.values.data() + 3, rows.size(), 6, 1};
   return {source, target};
@@ -398,7 +298,7 @@ Problem labelled_problem(std::vector<double> source, std::vector<double> target,
 }
 
 Problem read_problem(const fs::path& correspondences, const fs::path& pose, double noise_bound) {
-  const Rows rows = read_rows(correspondences, {});
+  const CorrespondenceRows rows = read_correspondence_rows(correspondences, {});
   std::vector<double> source, target;
   for (std::size_t row = 0; row < rows.size(); ++row) {
     const double* const numbers = rows.values.data() + 6 * row;

@@ -134,6 +134,8 @@ class Clouds(CommandTest):
         self.assertEqual([stage["name"] for stage in clouds["stages"]],
                          ["choose_voxel", "voxel_grid", "normals", "fpfh", "matches"])
         self.assertEqual((clouds["keypoints"], clouds["matches"]), ("random:5000", "mutual:3"))
+        self.assertEqual((clouds["source_viewpoint"], clouds["target_viewpoint"]), ([0, 0, 0], [0, 0, 0]))
+        self.assertNotIn("source_viewpoint", result)
         self.assertEqual(result["noise_bound"], run["noise_bound"])
         mean = (clouds["source"]["resolution"] + clouds["target"]["resolution"]) / 2
         self.assertAlmostEqual(result["noise_bound"], 3 * mean)
@@ -149,13 +151,18 @@ class Clouds(CommandTest):
         turned = [[float(x) for x in line.split()] for line in (self.folder / target).read_text().splitlines()[:-1]]
         (self.folder / "turned.xyz").write_text("".join(f"{x + 4e5} {y - 3e5} {z + 100}\n" for x, y, z in turned))
         for places in (("4e5,-3e5,101", "400001,-300000.5,101"), ("none", "none")):
-            run = json.loads(self.run_command("register", "map.xyz", "turned.xyz", "--source-viewpoint", places[0],
-                                              "--target-viewpoint", places[1], "--json", "-"))["runs"][0]
+            result = json.loads(self.run_command("register", "map.xyz", "turned.xyz", "--source-viewpoint", places[0],
+                                                 "--target-viewpoint", places[1], "--json", "-"))
+            told = [None if place == "none" else [float(x) for x in place.split(",")] for place in places]
+            self.assertEqual([result["clouds"][f"{cloud}_viewpoint"] for cloud in ("source", "target")], told)
+            (run,) = result["runs"]
             self.assertEqual(run["status"], "success", places)
             self.assertAlmostEqual(run["T_target_source"][0][0], math.cos(0.3), delta=0.02)
         for wrong in ("", "1,2", "1,2,3,4", "1,2,x", "1,2,nan", "1;2;3", "None"):
             for option in ("--source-viewpoint", "--target-viewpoint"):
-                self.assert_error("register", source, target, option, wrong, says=f"{option}: expected X,Y,Z or none")
+                self.assert_error("register", source, target, option, wrong,
+                                  says=f"{option}: expected X,Y,Z or none, got '{wrong}'")
+                self.assert_error("register", "absent.ply", target, option, wrong, says=f"{option}: expected X,Y,Z or none")
 
     def test_refine(self):
         source, target = self.clouds()
@@ -195,7 +202,7 @@ class Clouds(CommandTest):
             p = [float(x) for x in lines[row if row < 5 else row - 1].split()]
             for c in range(3):
                 self.assertAlmostEqual(rows[row][c], sum(pose[c][k] * p[k] for k in range(3)) + pose[c][3], places=5)
-        self.assert_error("register", "pose.txt", "--save-aligned", "a.ply", says="are of two clouds")
+        self.assert_error("register", "pose.txt", "--save-aligned", "a.ply", says="--save-aligned a.ply is of two clouds")
 
     def test_clouds_decide(self):
         source, target = self.clouds()
@@ -256,8 +263,8 @@ class Clouds(CommandTest):
         self.assert_error("register", source, target, "--keypoints", "some", says="--keypoints: expected all, random:COUNT, farthest:COUNT, iss or iss:COUNT, got 'some'")
         self.assert_error("match", source, target, "--matches", "mutual:9", says="--matches: expected mutual:K")
         self.assert_error("register", source, target, "--estimate-scale", says="--estimate-scale")
-        self.assert_error("register", "pose.txt", "--no-verification", says="--no-verification, --refine and --save-aligned are of two clouds")
-        self.assert_error("register", "pose.txt", "--voxel", 1, says="are of two clouds")
+        self.assert_error("register", "pose.txt", "--no-verification", says="--no-verification is of two clouds")
+        self.assert_error("register", "pose.txt", "--voxel", 1, says="--voxel 1 is of two clouds")
         self.assert_error("register", "-", "-", says="the standard input holds one cloud")
         self.assert_error("register", source, says="source.ply: not a file of correspondences; a cloud needs the TARGET")
         self.assert_error("register", "absent.ply", says="absent.ply: cannot read")

@@ -51,7 +51,7 @@ TEST_F(NumberTableTest, TakesALineOfNames) {
 TEST_F(NumberTableTest, SkipsCommentsEmptyLinesCarriageReturnsAndByteOrderMark) {
   EXPECT_THAT(read("\xEF\xBB\xBF# x y z\r\n\r\n1 2 3\r\n  \t\n4 5 6 # last\r\n#7 8 9"), ElementsAre(1, 2, 3, 4, 5, 6));
   EXPECT_THAT(read("1 2 3"), ElementsAre(1, 2, 3));
-  EXPECT_THAT(read(""), ElementsAre());
+  EXPECT_THAT(read("\n"), ElementsAre());
 }
 
 TEST_F(NumberTableTest, ReadsEveryDouble) {
@@ -76,15 +76,77 @@ TEST_F(NumberTableTest, NamesTheLineOfAFault) {
   expect_error("1 2 nan\n", "1: 'nan' is not finite");
   expect_error("1 -inf 3\n", "1: '-inf' is not finite");
   expect_error("1 2 1e999\n", "1: '1e999' is out of a double's range");
-  expect_error("1,,3\n", "1: nothing between two commas");
+  expect_error("1,,3\n",
+               "1: column 2 is empty, between two commas: fill it in or remove the line; where two commas "
+               "stand for one, write one");
   expect_error("1,2,3,\n", "1: a comma at the end of the line: remove it");
-  expect_error(",1,2,3\n", "1: nothing between two commas");
+  expect_error(",1,2,3\n", "1: column 1 is empty, before the first comma: fill it in or remove the line");
   expect_error("1;2;3;\n", "1: a semicolon at the end of the line: remove it");
-  expect_error("1;;3\n", "1: nothing between two semicolons");
-  expect_error("1,5;2,5;3\n", "1: '1,5' is not a number: write a point, not a comma");
+  expect_error("1;;3\n",
+               "1: column 2 is empty, between two semicolons: fill it in or remove the line; where two "
+               "semicolons stand for one, write one");
+  expect_error("1;2;3\n1,5;2,5;3\n", "2: '1,5' is not a number: write decimal points, as 'tr , . < FILE' does");
+  expect_error("1;2;1.000,5\n", "1: '1.000,5' is not a number: write a decimal point, and nothing between thousands");
   expect_error("x y z\nx y z\n1 2 3\n", "2: 'x' is not a number");
   expect_error("x 2 3\n", "1: 'x' is not a number");
   expect_error("nan nan nan\n", "1: 'nan' is not finite");
+}
+
+TEST_F(NumberTableTest, ReadsNumbersInQuotes) {
+  EXPECT_THAT(read("\"1.5\",\"-2\",\"3e1\"\n\"4\", 5 ,\"6\"\n"), ElementsAre(1.5, -2, 30, 4, 5, 6));
+  EXPECT_THAT(read("\"1\" \"2\" \"3\"\n\"4\";5;\"6\"\n"), ElementsAre(1, 2, 3, 4, 5, 6));
+  expect_error("\"1,5\",\"2\",\"3\"\n", "1: '1,5' is not a number: write a decimal point, not a comma");
+  expect_error("\"1,2,3\"\n", "1: '1,2,3' is not a number: remove the quotes");
+  expect_error("\"1,2,3\n", "1: '\"1' is not a number: remove the quotes");
+  expect_error("1,'2',3\n", "1: ''2'' is not a number: remove the quotes");
+  expect_error("1,\"\",3\n", "1: column 2 is empty, between quotes: fill it in or remove the line");
+}
+
+TEST_F(NumberTableTest, TellsNamesInQuotesFromNumbers) {
+  for (const char* text : {"\"1st x\",\"source, y\",nano\n1,2,3\n", ",x,y\n1,2,3\n", "\"\",x,\"y\"\n\"1\",2,3\n"}) {
+    write_text(path_, text);
+    const NumberTable table = read_number_table(path_);
+    EXPECT_EQ(table.names.size(), 3u) << text;
+    EXPECT_THAT(table.values, ElementsAre(1, 2, 3)) << text;
+  }
+}
+
+TEST_F(NumberTableTest, EndsLinesAsAllSystemsDo) {
+  for (const char* text :
+       {"x y z\r1 2 3\r4 5 6\r", "x y z\r1 2 3\r4 5 6", "x y z\r\n1 2 3\r4 5 6\n", "x y z\r\r\n1 2 3\r\r\n4 5 6"}) {
+    write_text(path_, text);
+    const NumberTable table = read_number_table(path_);
+    EXPECT_THAT(table.values, ElementsAre(1, 2, 3, 4, 5, 6)) << text;
+    EXPECT_THAT(table.lines, ElementsAre(2, 3)) << text;
+  }
+  EXPECT_THAT(read("# 7 8 9\r1 2 3\r\r4 5 6 # last\r"), ElementsAre(1, 2, 3, 4, 5, 6));
+  expect_error("1 2 3\r\r1 x 3\r", "3: 'x' is not a number");
+}
+
+TEST_F(NumberTableTest, SaysWhatAnEmptyFileLacks) {
+  write_text(path_, "");
+  EXPECT_THAT([&] { (void)read_number_table(path_); },
+              ThrowsMessage<std::runtime_error>(EndsWith("table.txt: is empty, expected lines of numbers")));
+}
+
+TEST_F(NumberTableTest, KnowsWhereCommasMustBeDecimalOnes) {
+  const auto refused = [this](const std::string& text, const std::string& message) {
+    write_text(path_, text);
+    const NumberTable table = read_number_table(path_);
+    EXPECT_THAT([&] { require_no_decimal_commas(table, 3, path_); },
+                ThrowsMessage<std::runtime_error>(EndsWith(
+                    "table.txt:" + message + " has a decimal comma: write decimal points, as 'tr , . < FILE' does")))
+        << text;
+  };
+  refused("1,5 2 3\n4 5 6\n", "1: '1,5'");
+  refused("1 2 3\n4\t-5,25e1\t6\n", "2: '-5,25e1'");
+  refused("1,5 2,5 3,5\n4,5 5,5 6,5\n", "1: '1,5'");
+  refused("1,5 2,5 3,5 4\n4,5 5,5 6 4\n", "1: '1,5'");
+  for (const char* text : {"1 2 3\n4 5\n", "1,2,3\n4,5\n", "1, 2, 3\n4, 5\n", "1,2 3\n4,5\n"}) {
+    write_text(path_, text);
+    const NumberTable table = read_number_table(path_);
+    EXPECT_NO_THROW(require_no_decimal_commas(table, 3, path_)) << text;
+  }
 }
 
 TEST_F(NumberTableTest, SaysWhatToDoWithUtf16) {

@@ -60,6 +60,12 @@ TEST_F(PoseReadingTest, RefusesSeveralPosesAndBadOnes) {
   refused(kitti.substr(0, kitti.size() - 3) + "\n", "1: expected 4 numbers, got 11");
   refused("0 -1 0 5 1 0 0 6 0 0 1 7 0 0 1 1\n", "the last row must be 0 0 0 1");
   refused("a b c d\n" + kitti, "a line of names, expected a pose");
+  refused("", "pose.txt: is empty, expected lines of numbers");
+  refused("1 0 0 0\n0 1 0 0\n", "expected 3 or 4 rows, got 2: write the matrix [R t], 3 or 4 rows of 4 numbers");
+  refused("1\n0\n0\n0\n", "1: expected 4 numbers, got 1: write the matrix [R t]");
+  refused("0 -1 0 5,5\n1 0 0 6\n0 0 1 7\n", "pose.txt:1: '5,5' has a decimal comma: write decimal points");
+  refused("0,0 -1,0 0,0 5,5\n1,0 0,0 0,0 6,0\n0,0 0,0 1,0 7,0\n", "pose.txt:1: '0,0' has a decimal comma");
+  refused("1,5 6 7 0 0 0,6 0,8\n", "pose.txt:1: '1,5' has a decimal comma");
 }
 
 TEST_F(PoseReadingTest, TakesALastRowThatIsOffByRounding) {
@@ -188,6 +194,17 @@ TEST_F(ColumnsTest, AreAskedForWhereTheyDoNot) {
   refused(rows("", scored), "six of them", {1, 2, 3});
   refused(rows("", scored), "six of them", {0, 1, 2, 3, 4, 5});
   refused(rows("", scored) + "1,2,3,4,5,6\n", "rows.csv:11: expected 7 numbers, got 6");
+  refused(rows("", [](int k) { return point(k) + "," + point(k); }),
+          "write points where commas are decimal ones, else");
+  refused(rows("", [](int k) { return std::to_string(k); }),
+          "rows.csv:1: expected 6 numbers, got 1: a correspondence is a line of source x y z and target x y z");
+  refused(rows("", [](int k) { return std::to_string(k) + " 2 3"; }), "are given as SOURCE TARGET --pairs rows");
+  const auto halves = [](int k) { return std::to_string(k) + ",5 1 2 3,5 1 2"; };
+  const std::string decimal = "1: '0,5' has a decimal comma: write decimal points, as 'tr , . < FILE' does";
+  refused(rows("", halves), "rows.csv:" + decimal);
+  refused(halves(0) + "\n" + rows("", [](int k) { return point(k, " "); }), "rows.csv:" + decimal);
+  refused(rows("", [](int k) { return point(k, " "); }) + halves(0) + "\n", "rows.csv:1" + decimal);
+  refused(rows("", halves) + "1 2 3 4 5 6\n", "rows.csv:" + decimal, {2, 3, 4, 5, 6, 1});
 }
 
 TEST_F(ProblemReadingTest, NamesTheFileAtFault) {
@@ -202,7 +219,7 @@ TEST_F(ProblemReadingTest, NamesTheFileAtFault) {
   test::write_text(rows, "0 0 0 0 0 0\n1 1 1 1 1\n");
   refused("correspondences.txt:2: expected 6 numbers, got 5");
   test::write_text(rows, "0 0 0 0 0 0\n1 1 1 1 1 1\n");
-  refused("correspondences.txt: expected at least 3 correspondences, got 2");
+  refused("correspondences.txt: expected at least 3 correspondences, got 2: a pose needs three");
   std::filesystem::remove(rows);
   refused("correspondences.txt: cannot read: No such file or directory");
 }

@@ -1,13 +1,15 @@
 // Problems as text files: written for `consimd register` and any script, and read.
 //
 // A file of numbers has rows of them, separated by blanks or single commas or semicolons, whatever the locale. '#'
-// starts a comment; empty lines, CRLF ends and a UTF-8 byte-order mark are allowed. Anything else (text, NaN, infinity,
-// UTF-16) is a std::runtime_error "FILE:LINE: what". The file "-" is the standard input.
+// starts a comment; empty lines, ends of lines of all systems (LF, CRLF, CR), double quotes around numbers and a UTF-8
+// byte-order mark are allowed. Anything else (text, NaN, infinity, decimal commas, UTF-16) is a std::runtime_error
+// "FILE:LINE: what". The file "-" is the standard input.
 #pragma once
 
 #include <cstddef>
 #include <filesystem>
 #include <span>
+#include <string>
 #include <vector>
 
 #include <consimd/kernels/correspondences.hpp>
@@ -28,6 +30,9 @@ namespace CONSIMD_EXPORT synth {
 /// Every file is written whole under a temporary name before the first is renamed, so a failure leaves nothing
 /// half-written. Throws std::runtime_error naming the path, and std::invalid_argument if a number is not finite.
 void write_problem(const Problem& problem, const std::filesystem::path& folder);
+
+/// The lines of a file with `pose`, 4 x 4, its rotation multiplied by `scale`, as `write_problem` writes the true one.
+[[nodiscard]] std::string pose_text(const RigidTransform& pose, double scale);
 
 /// Writes `pose` with `scale` as `write_problem` writes the true one. Throws std::runtime_error naming the path.
 void write_pose(const RigidTransform& pose, double scale, const std::filesystem::path& path);

@@ -1,0 +1,154 @@
+#include "correspondence_rows.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <initializer_list>
+#include <optional>
+#include <stdexcept>
+#include <string>
+#include <string_view>
+#include <utility>
+
+#include "number_table.hpp"
+
+namespace consimd::synth {
+namespace {
+
+namespace fs = std::filesystem;
+
+[[noreturn]] void fail(const fs::path& path, const std::string& what) {
+  throw std::runtime_error(shown_name(path) + ": " + what);
+}
+
+/// A name of a column in small letters.
+std::string lower_case(std::string_view name) {
+  std::string text;
+  for (const char c : name) text += c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
+  return text;
+}
+
+/// Which axis a column with this name has, at its beginning or its end: x1, source_y, "tz"; 3: none.
+std::size_t axis_of(const std::string& name) {
+  std::string letters = name;
+  while (!letters.empty() && ((letters.back() >= '0' && letters.back() <= '9') || letters.back() == '_')) {
+    letters.pop_back();
+  }
+  if (letters.empty()) return 3;
+  constexpr std::string_view kAxes = "xyz";
+  // A name of more letters ends in its axis behind a mark, or is its cloud's letter and the axis, or the other way
+  // round.
+  const std::size_t size = letters.size();
+  const bool marked = size > 2 && (letters[size - 2] == '_' || letters[size - 2] == '.' || letters[size - 2] == ' ');
+  if (size > 2 && !marked) return letters[1] == '_' ? std::min<std::size_t>(kAxes.find(letters[0]), 3) : 3;
+  if (size == 2 && letters[0] == 'n') return 3;  // of a normal
+  const std::size_t last = kAxes.find(letters.back());
+  return last < 3 ? last : std::min<std::size_t>(kAxes.find(letters.front()), 3);
+}
+
+/// Source x y z and target x y z among columns with names, if these tell: six of them are x y z x y z.
+std::optional<std::array<std::size_t, 6>> named_columns(const std::vector<std::string>& names) {
+  std::array<std::size_t, 6> columns{};
+  std::size_t count = 0;
+  for (std::size_t k = 0; k < names.size(); ++k) {
+    const std::size_t axis = axis_of(lower_case(names[k]));
+    if (axis == 3) continue;
+    if (count == 6 || axis != count % 3) return std::nullopt;
+    columns[count++] = k;
+  }
+  if (count < 6) return std::nullopt;
+  const auto begins = [&](std::size_t k, std::initializer_list<std::string_view> words) {
+    const std::string name = lower_case(names[columns[k]]);
+    return std::ranges::any_of(words, [&](std::string_view word) { return name.starts_with(word); });
+  };
+  if (begins(0, {"target", "tgt", "ref", "dst"}) && begins(3, {"source", "src"})) {
+    std::rotate(columns.begin(), columns.begin() + 3, columns.end());
+  }
+  return columns;
+}
+
+/// Whether the first number of each row counts the rows, from 0 or 1. Of a few rows that may be chance.
+bool has_index(const NumberTable& table) {
+  constexpr std::size_t kFewest = 8;
+  if (table.rows() < kFewest) return false;
+  const double first = table.row(0)[0];
+  if (first != 0.0 && first != 1.0) return false;
+  for (std::size_t k = 0; k < table.rows(); ++k) {
+    if (table.row(k)[0] != first + static_cast<double>(k)) return false;
+  }
+  return true;
+}
+
+/// Whether commas that are decimal ones may have made two numbers of each.
+bool may_be_halves(const NumberTable& table) {
+  return table.row(0).size() == 12 &&
+         std::ranges::all_of(table.values, [](double value) { return value == std::floor(value); });
+}
+
+/// Of a table whose rows are no correspondences as they are: says what is missing or how to choose.
+[[noreturn]] void refuse_columns(const NumberTable& table, const fs::path& path) {
+  require_no_decimal_commas(table, 6, path);
+  const std::size_t width = table.row(0).size();
+  if (!is_even(table)) require_columns(table, std::max<std::size_t>(width, 6), path);
+  if (width < 6) {
+    const bool is_point = width == 3;
+    require_columns(table, 6, path,
+                    std::string(": a correspondence is a line of source x y z and target x y z") +
+                        (is_point ? "; two files of points, row by row, are given as SOURCE TARGET --pairs rows" : ""));
+  }
+  fail(path, std::to_string(width) + " numbers a line, expected 6: " +
+                 (may_be_halves(table) ? "write points where commas are decimal ones, else " : "") +
+                 "say which of them are source x y z and target x y z, counted from 1, as in --columns 2,3,4,5,6,7");
+}
+
+/// The columns that the file tells.
+std::array<std::size_t, 6> columns_of(const NumberTable& table, const fs::path& path) {
+  if (is_even(table)) {
+    const std::size_t width = table.row(0).size();
+    if (table.names.size() == width) {
+      if (const auto named = named_columns(table.names)) return *named;
+    }
+    if (width == 6) return {0, 1, 2, 3, 4, 5};
+    if (width == 7 && has_index(table)) return {1, 2, 3, 4, 5, 6};
+  }
+  refuse_columns(table, path);
+}
+
+/// Those that were chosen, counted from 1.
+std::array<std::size_t, 6> chosen_columns(const NumberTable& table, std::span<const std::size_t> chosen,
+                                          const fs::path& path) {
+  const std::size_t width = table.row(0).size();
+  if (!is_even(table)) require_no_decimal_commas(table, 6, path);
+  require_columns(table, width, path);
+  std::array<std::size_t, 6> columns{};
+  for (std::size_t c = 0; c < 6; ++c) {
+    if (chosen[c] > width) {
+      fail(path, "column " + std::to_string(chosen[c]) + " of " + std::to_string(width) + " in --columns");
+    }
+    columns[c] = chosen[c] - 1;
+  }
+  return columns;
+}
+
+}  // namespace
+
+CorrespondenceRows read_correspondence_rows(const fs::path& path, std::span<const std::size_t> chosen) {
+  NumberTable table = read_number_table(path);
+  const auto require_three = [&] {
+    if (table.rows() >= 3) return;
+    fail(path, "expected at least 3 correspondences, got " + std::to_string(table.rows()) + ": a pose needs three");
+  };
+  if (table.rows() == 0) require_three();
+  const std::array<std::size_t, 6> columns =
+      chosen.empty() ? columns_of(table, path) : chosen_columns(table, chosen, path);
+  require_three();
+  if (table.row(0).size() == 6 && std::ranges::is_sorted(columns)) return {std::move(table.values)};
+  CorrespondenceRows rows;
+  rows.values.reserve(6 * table.rows());
+  for (std::size_t k = 0; k < table.rows(); ++k) {
+    for (const std::size_t c : columns) rows.values.push_back(table.row(k)[c]);
+  }
+  return rows;
+}
+
+}  // namespace consimd::synth
