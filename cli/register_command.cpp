@@ -180,13 +180,10 @@ void register_rows(const RegisterOptions& options, const SolverChoice& choice, c
                    RegisterReport& report) {
   if (options.assume_inliers) {
     AssumedInliers found = register_assumed_inliers(correspondences);
+    report.notes = advice(found);
     report.runs.push_back(std::move(found.registration));
     report.residuals = std::move(found.residuals);
     report.sigma = found.sigma;
-    if (found.geometry != PointGeometry::determined) {
-      report.notes.push_back(
-          fmt::format("the points of a cloud are {}: they leave a rotation free", to_string(found.geometry)));
-    }
     return;
   }
   for (std::uint32_t k = 0; k < options.repeat; ++k) {

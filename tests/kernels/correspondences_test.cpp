@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <limits>
@@ -198,6 +199,35 @@ TEST(Correspondences, KeepTheViewpointThatTheyAreTold) {
     EXPECT_THROW(all.set_source_viewpoint({0.0, bad, 0.0}), std::invalid_argument);
   }
   EXPECT_EQ(all.source_viewpoint(), viewpoint);
+}
+
+TEST(Correspondences, CountOneNoValueOnceThoughMostRowsHaveIt) {
+  constexpr std::size_t kRows = 20;
+  for (const std::size_t without : {19U, 21U, 60U, 500U}) {
+    for (const double value : {-9999.0, 65535.0, 1e10, 1e308}) {
+      for (const bool both : {false, true}) {
+        std::vector<double> p = any_points(kRows + without, 3.0, 1.0, 4);
+        std::vector<double> q = any_points(kRows + without, 3.0, -2.0, 5);
+        std::fill(p.begin() + 3 * kRows, p.end(), value);
+        if (both) std::fill(q.begin() + 3 * kRows, q.end(), value);
+        const Correspondences all(PointSpan<double>::interleaved(p.data(), kRows + without),
+                                  PointSpan<double>::interleaved(q.data(), kRows + without));
+        const std::vector<std::uint32_t> far(all.far_rows().begin(), all.far_rows().end());
+        ASSERT_EQ(far.size(), without) << value;
+        EXPECT_EQ(far.front(), kRows);
+        EXPECT_LE(1.0 / all.scale(), 8.0);
+        EXPECT_LT(all.resolution(), 1e-5);
+      }
+    }
+  }
+  // A row that is repeated most and lies among the others is one of them.
+  std::vector<double> p = any_points(100, 3.0, 1.0, 6);
+  for (std::size_t k = 40; k < 99; ++k) std::copy_n(p.begin(), 3, p.begin() + static_cast<std::ptrdiff_t>(3 * k));
+  std::fill(p.end() - 3, p.end(), 1e6);
+  const Correspondences board(PointSpan<double>::interleaved(p.data(), 100),
+                              PointSpan<double>::interleaved(p.data(), 100));
+  ASSERT_EQ(board.far_rows().size(), 1U);
+  EXPECT_EQ(board.far_rows().front(), 99U);
 }
 
 }  // namespace

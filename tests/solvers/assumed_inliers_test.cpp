@@ -1,3 +1,4 @@
+#include <consimd/solvers/advice.hpp>
 #include <consimd/solvers/assumed_inliers.hpp>
 #include <consimd/synth/field_problems.hpp>
 #include <consimd/synth/hard_problems.hpp>
@@ -97,6 +98,35 @@ TEST(AssumedInliers, ThatLieOnALineOrCoincideAreNamed) {
   }
   EXPECT_EQ(of(line, line).geometry, PointGeometry::collinear);
   EXPECT_EQ(of({0, 0, 0, 1, 1, 1}, {0, 0, 0, 1, 1, 1}).registration.status, Status::too_few_correspondences);
+}
+
+TEST(AssumedInliers, OfAnotherScaleOrAMirrorImageAreNamed) {
+  for (std::uint64_t trial = 0; trial < 100; ++trial) {
+    for (const double scale : {0.001, 0.98, 1.25, 1000.0}) {
+      const Problem scaled = synth::hard_problem({.correspondences = 4 + trial % 9,
+                                                  .outlier_ratio = 0.0,
+                                                  .sigma = 0.002 * scale,
+                                                  .half_extent = 10.0 * scale,
+                                                  .trial = trial,
+                                                  .scale = scale});
+      const AssumedInliers found = register_assumed_inliers(scaled.correspondences());
+      EXPECT_EQ(found.registration.status, Status::success) << scale << " trial " << trial;
+      ASSERT_TRUE(found.other_scale.has_value()) << scale << " trial " << trial;
+      EXPECT_NEAR(*found.other_scale / scale, 1.0, 0.005);
+      EXPECT_FALSE(found.registration.mirrored);
+      EXPECT_EQ(advice(found).size(), 1U);
+    }
+    const synth::HardProblemOptions options{
+        .correspondences = 5 + trial % 9, .outlier_ratio = 0.0, .sigma = 0.002, .half_extent = 10.0, .trial = trial};
+    const AssumedInliers plain = register_assumed_inliers(synth::hard_problem(options).correspondences());
+    EXPECT_FALSE(plain.registration.mirrored || plain.other_scale.has_value());
+    EXPECT_TRUE(advice(plain).empty());
+    synth::HardProblemOptions reversed = options;
+    reversed.mirrored = true;
+    const AssumedInliers mirrored = register_assumed_inliers(synth::hard_problem(reversed).correspondences());
+    EXPECT_TRUE(mirrored.registration.mirrored) << "trial " << trial;
+    EXPECT_FALSE(mirrored.other_scale.has_value());
+  }
 }
 
 TEST(AssumedInliers, MayNotBeFarFromAllOthers) {

@@ -221,6 +221,21 @@ TEST(TcfMirrored, HasNoPoseAmongOutliers) {
   }
 }
 
+TEST(TcfMirrored, IsNamedOfFourRowsToo) {
+  for (std::uint64_t trial = 0; trial < 50; ++trial) {
+    const Problem problem = synth::hard_problem({.correspondences = 4 + trial % 5,
+                                                 .outlier_ratio = 0.0,
+                                                 .sigma = 0.005,
+                                                 .half_extent = 10.0,
+                                                 .trial = trial,
+                                                 .mirrored = true});
+    const Registration result = run(problem, 0.04);
+    EXPECT_FALSE(result.has_pose());
+    // Four points near a plane are their own mirror image.
+    EXPECT_TRUE(result.mirrored || problem.size() == 4) << "trial " << trial;
+  }
+}
+
 struct OutlierCase {
   std::string name;
   synth::HardProblemOptions options;
@@ -287,6 +302,33 @@ TEST(TcfOptionsTest, ExtremeBoundsAreSafe) {
                    bound);
     } catch (const std::exception& error) {
       ADD_FAILURE() << error.what();
+    }
+  }
+}
+
+TEST(TcfOptionsTest, BoundsAndUnitsBeyondDoubleAreNamed) {
+  const Problem problem = synth::noise_study_problem({.correspondences = 200, .outlier_ratio = 0.5});
+  for (const double bound : {2e307, 1e308}) {
+    EXPECT_THROW(static_cast<void>(run(problem, bound)), std::invalid_argument);
+  }
+  for (const double unit : {1e-200, 1e-110, 1e-60, 1e60, 1e110, 1e200}) {
+    Problem in_unit = problem;
+    for (double& x : in_unit.source) x *= unit;
+    for (double& x : in_unit.target) x *= unit;
+    const Correspondences rows = in_unit.correspondences();
+    for (const std::optional<double> bound :
+         {std::optional(synth::noise_study_bound(problem.sigma) * unit), std::optional<double>()}) {
+      SCOPED_TRACE(::testing::Message() << "unit " << unit);
+      if (unit > 1e-75 && unit < 1e70) {
+        EXPECT_EQ(register_by_name("tcf", rows, {.noise_bound = bound}).status, Status::success);
+        continue;
+      }
+      try {
+        static_cast<void>(register_by_name("tcf", rows, {.noise_bound = bound}));
+        ADD_FAILURE() << "no error";
+      } catch (const std::invalid_argument& error) {
+        EXPECT_NE(std::string(error.what()).find("choose another unit of length"), std::string::npos) << error.what();
+      }
     }
   }
 }

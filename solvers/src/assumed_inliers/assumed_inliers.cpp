@@ -137,7 +137,8 @@ void solve(const Correspondences& correspondences, AssumedInliers& result) {
   registration.mirrored = tell && count > 3.0 && sums.left_by(mirrored, rigid_fit(mirrored)).squares < kLeft * squares;
   // Another scale is no noise, which alone hides what the points determine.
   const double noise = std::sqrt(remaining / (3.0 * count - 6.0));
-  result.geometry = std::max(sums.source.geometry(count, noise), sums.target.geometry(count, noise));
+  const double noise_of_source = noise / result.other_scale.value_or(1.0);
+  result.geometry = std::max(sums.source.geometry(count, noise_of_source), sums.target.geometry(count, noise));
   if (result.geometry == PointGeometry::determined && !fit.determined()) result.geometry = PointGeometry::collinear;
   if (result.geometry != PointGeometry::determined) {
     registration.status = Status::degenerate_geometry;

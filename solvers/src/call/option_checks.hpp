@@ -22,19 +22,21 @@ template <typename T>
   throw std::invalid_argument(message.str());
 }
 
-/// Lengths of points up to this, and down to one over it, leave room in double for what becomes of them: volumes, the
-/// covariance of a covariance.
-inline constexpr double kLongest = 0x1p+250;
+/// Some times as much is still a number.
+inline constexpr double kLongest = 1e307;
 
 inline void require_length(std::string_view name, double value) {
-  if (!(value > 0.0) || !(value <= kLongest)) reject_option(name, value, "a length above 0 and at most 1.8e75");
+  if (!(value > 0.0) || !(value <= kLongest)) reject_option(name, value, "a length above 0 and at most 1e307");
 }
 
-/// For what is computed in the caller's unit.
+/// Extents of points up to this, and down to one over it, leave room in double for what becomes of them in the caller's
+/// unit: volumes, squares of variances.
+inline constexpr double kLargestExtent = 1e75;
+
 inline void require_usable_unit(const Correspondences& correspondences) {
-  const double unit = 1.0 / correspondences.scale();
-  if (unit <= kLongest && unit >= 1.0 / kLongest) return;
-  reject_option("the extent of the points", unit, "one between 5.5e-76 and 1.8e75: choose another unit of length");
+  const double extent = 1.0 / correspondences.scale();
+  if (extent <= kLargestExtent && extent >= 1.0 / kLargestExtent) return;
+  reject_option("the extent of the points", extent, "one between 1e-75 and 1e75: choose another unit of length");
 }
 
 inline void require_above_zero(std::string_view name, std::uint32_t value) {

@@ -11,6 +11,7 @@
 #include "call/distinct_rows.hpp"
 #include "call/option_checks.hpp"
 #include "call/stage_clock.hpp"
+#include "scale/rival_scale.hpp"
 
 namespace consimd::detail {
 
@@ -44,6 +45,7 @@ Registration run_solver(const Correspondences& correspondences, const Options& a
       result.status = copies ? Status::degenerate_geometry : Status::too_few_correspondences;
     } else {
       solve(rows.correspondences(), options, result);
+      refuse_at_rival_scale(rows.correspondences(), result);
       rows.restore(result.inliers);
     }
   });

@@ -6,6 +6,7 @@
 
 #include <consimd/solvers/threads.hpp>
 
+#include "call/refusal.hpp"
 #include "call/stage_clock.hpp"
 #include "noise_bound/bound_search.hpp"
 #include "registry/filtered_registration.hpp"
@@ -46,16 +47,6 @@ void fall_back_on(Registration other, Registration& result) {
   other.seconds += result.seconds;
   other.stages.insert(other.stages.begin(), result.stages.begin(), result.stages.end());
   result = std::move(other);
-}
-
-// The pose with all that belongs to it.
-void refuse(Registration& result) {
-  const Registration none;
-  result.status = Status::no_consensus;
-  result.T_target_source = none.T_target_source;
-  result.covariance = none.covariance;
-  result.inliers.clear();
-  result.runner_up.reset();
 }
 
 void require_scale_can_be_estimated(const SolverOptions& options) {
@@ -107,7 +98,7 @@ Registration register_in_arena(const SolverCall& solver, const Correspondences& 
   if (result.has_pose() &&
       (detail::hides_another_scale(correspondences, result.T_target_source, result.noise_bound) ||
        detail::is_chance_at_its_noise(correspondences, result.T_target_source, result.noise_bound))) {
-    refuse(result);
+    detail::refuse(result);
   }
   estimation.output = result.inliers.size();
   estimation.iterations = estimate.bounds_tried;

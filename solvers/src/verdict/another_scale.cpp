@@ -23,8 +23,9 @@ constexpr double kMostOfThem = 0.5;
 // Where the bound is told by the residuals: without the scale it would be half as large.
 constexpr double kHalvesTheBound = 0.75;
 // Deviations from which on it is asked how many rows support the pose with a scale of its own: a right pose is by
-// chance once in twenty times.
+// chance once in twenty times. One parameter more brings in a row or two.
 constexpr double kWorthALook = 2.0;
+constexpr std::size_t kByOneParameter = 2;
 
 // Deviations by which a scale differs from 1. Another scale is itself an error that the supporters share: they are
 // those of independent errors.
@@ -76,7 +77,7 @@ bool is_at_another_scale(const Correspondences& correspondences, const PoseTest&
   const Correspondences scaled = correspondences.with_scaled_source(similarity.scale);
   const WorkingPose pose = to_working_pose(to_working_frame(similarity.T_target_source, scaled));
   const std::size_t supporters = pose_inliers(scaled.view(), pose, test.noise_bound).size();
-  return !is_rival(final.inliers.size(), supporters);
+  return supporters > final.inliers.size() + kByOneParameter && !is_rival(final.inliers.size(), supporters);
 }
 
 bool hides_another_scale(const Correspondences& correspondences, const RigidTransform& T_target_source,

@@ -70,7 +70,7 @@ struct Registration {
   /// here.
   std::optional<RunnerUp> runner_up;
   /// Without a pose: the most significant one that was met, which chance or structure gives as well; for those who have
-  /// other evidence. None where it is a mirror image or undetermined.
+  /// other evidence. None where it is a mirror image, at another scale or undetermined.
   std::optional<RunnerUp> refused;
   /// Without a pose: the rows that agree in length are a mirror image, which no motion brings into place.
   bool mirrored = false;
