@@ -110,7 +110,8 @@ class Registration:
     consistency_bound: float
     """Bound on differences of lengths, twice the noise bound."""
     mirrored: bool
-    """Whether, without a pose, the rows agree on a mirror image, which no motion brings into place."""
+    """Whether, without a pose, the rows agree on a mirror image, which no motion brings into place; with
+    `assume_inliers` whether one leaves less than a tenth of the residuals' deviation."""
     stopped: bool
     """Whether the time limit ended the search: a pose is the best until then, and none may yet have been found."""
     residuals: NDArray[np.float64] | None = None
@@ -119,6 +120,9 @@ class Registration:
     """Standard deviation of a residual per axis, with 3 N - 6 degrees of freedom. With `assume_inliers` only."""
     geometry: str | None = None
     """"determined", or "collinear" or "coincident" where the points of a cloud leave a rotation free. With
+    `assume_inliers` only."""
+    other_scale: float | None = None
+    """The scale of the sources with which less than a tenth of the residuals' deviation is left, if there is one. With
     `assume_inliers` only."""
     refinement: Refinement | None = None
     """Of `register_clouds`, where it was asked for and there was a pose to start from."""

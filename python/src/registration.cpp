@@ -95,6 +95,7 @@ nb::dict run_assumed_inliers(const SharedCorrespondences& correspondences) {
   fields["residuals"] = to_bytes(result.residuals);
   fields["sigma"] = result.sigma;
   fields["geometry"] = to_string(result.geometry);
+  fields["other_scale"] = result.other_scale;
   return fields;
 }
 

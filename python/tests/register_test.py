@@ -210,6 +210,8 @@ def test_assumed_inliers():
     line = np.arange(4.0)[:, None] * [1, 2, 3]
     result = consimd.register(line, line, assume_inliers=True)
     assert (result.status, result.geometry, result.pose) == ("degenerate_geometry", "collinear", None)
+    assert consimd.register(corners, corners, assume_inliers=True).other_scale is None
+    assert np.isclose(consimd.register(corners, 1000 * corners @ turn.T, assume_inliers=True).other_scale, 1000)
     with pytest.raises(TypeError, match="assume_inliers"):
         consimd.register(corners, corners, 0.1, assume_inliers=True)
 

@@ -93,7 +93,9 @@ Attempt measured(const Correspondences& correspondences, const Attempt& attempt)
 // The measured bound. Where the pose is significant with that of the attempt and is not with what is measured, of what
 // lies between the first that will do.
 double measured_bound(const Correspondences& correspondences, CloseLooks& looks, const Attempt& attempt) {
-  auto [bound, pose, unused] = measured(correspondences, attempt);
+  const Attempt at_noise = measured(correspondences, attempt);
+  const WorkingPose& pose = at_noise.pose;
+  double bound = at_noise.bound;
   if (looks.is_significant(pose, bound) || !looks.is_significant(attempt.pose, attempt.bound)) {
     return bound;
   }

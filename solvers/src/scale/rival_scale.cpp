@@ -33,7 +33,9 @@ std::uint32_t support_at(double scale, const Correspondences& correspondences, c
 }  // namespace
 
 void refuse_at_rival_scale(const Correspondences& correspondences, Registration& result) {
-  if (!result.has_pose() || result.inliers.size() > kFewSupporters || result.log10_false_poses < kThin) return;
+  // A scale that was estimated has had its rivals.
+  if (!result.has_pose() || result.scale != 1.0) return;
+  if (result.inliers.size() > kFewSupporters || result.log10_false_poses < kThin) return;
   const std::vector<VotedScale> voted = scale_voting(correspondences, {.noise_bound = result.noise_bound,
                                                                        .seed = result.seed,
                                                                        .max_voters = kVoters,
