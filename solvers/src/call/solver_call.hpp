@@ -11,7 +11,6 @@
 #include "call/distinct_rows.hpp"
 #include "call/option_checks.hpp"
 #include "call/stage_clock.hpp"
-#include "scale/rival_scale.hpp"
 
 namespace consimd::detail {
 
@@ -45,7 +44,6 @@ Registration run_solver(const Correspondences& correspondences, const Options& a
       result.status = copies ? Status::degenerate_geometry : Status::too_few_correspondences;
     } else {
       solve(rows.correspondences(), options, result);
-      refuse_at_rival_scale(rows.correspondences(), result);
       rows.restore(result.inliers);
     }
   });

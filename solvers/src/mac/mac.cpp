@@ -13,9 +13,9 @@
 #include <consimd/kernels/working_length.hpp>
 #include <consimd/poses/rigid_fit.hpp>
 
-#include "call/solver_call.hpp"
 #include "mac/clique_selection.hpp"
 #include "mac/mac_options.hpp"
+#include "scale/rival_scale.hpp"
 #include "search/consensus_search.hpp"
 #include "support/pose_candidate.hpp"
 #include "verdict/final_pose.hpp"
@@ -190,7 +190,7 @@ void solve(const Correspondences& correspondences, const MacOptions& options, Re
 
 Registration register_mac(const Correspondences& correspondences, const MacOptions& options) {
   detail::require_options(detail::mac_options(), options);
-  return detail::run_solver(correspondences, options, solve);
+  return detail::run_at_known_scale(correspondences, options, solve);
 }
 
 }  // namespace consimd

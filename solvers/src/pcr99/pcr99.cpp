@@ -12,8 +12,8 @@
 #include <consimd/kernels/three_point_fit.hpp>
 #include <consimd/solvers/significance.hpp>
 
-#include "call/solver_call.hpp"
 #include "pcr99/pcr99_options.hpp"
+#include "scale/rival_scale.hpp"
 #include "scale/scaled_registration.hpp"
 #include "search/consensus_search.hpp"
 #include "search/matrix_sample.hpp"
@@ -160,7 +160,7 @@ void solve(const Correspondences& correspondences, const Pcr99Options& options, 
 }
 
 Registration register_at_known_scale(const Correspondences& correspondences, const Pcr99Options& options) {
-  return detail::run_solver(correspondences, options, solve);
+  return detail::run_at_known_scale(correspondences, options, solve);
 }
 
 }  // namespace

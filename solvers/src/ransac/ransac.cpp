@@ -1,8 +1,8 @@
 #include <consimd/solvers/ransac.hpp>
 
-#include "call/solver_call.hpp"
 #include "ransac/ransac_options.hpp"
 #include "ransac/three_point_search.hpp"
+#include "scale/rival_scale.hpp"
 #include "search/consensus_search.hpp"
 #include "verdict/final_pose.hpp"
 
@@ -29,7 +29,7 @@ void solve(const Correspondences& correspondences, const RansacOptions& options,
 
 Registration register_ransac(const Correspondences& correspondences, const RansacOptions& options) {
   detail::require_options(detail::ransac_options(), options);
-  return detail::run_solver(correspondences, options, solve);
+  return detail::run_at_known_scale(correspondences, options, solve);
 }
 
 }  // namespace consimd

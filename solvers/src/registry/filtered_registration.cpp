@@ -6,7 +6,7 @@
 #include <consimd/poses/rigid_fit.hpp>
 #include <consimd/solvers/tcf_filter.hpp>
 
-#include "call/solver_call.hpp"
+#include "scale/rival_scale.hpp"
 #include "search/consensus_search.hpp"
 #include "support/best_poses.hpp"
 #include "verdict/final_pose.hpp"
@@ -50,10 +50,10 @@ void solve(const Correspondences& correspondences, double noise_bound, std::uint
 
 Registration register_filtered(const Correspondences& correspondences, double noise_bound, std::uint32_t bounds_tried,
                                std::uint64_t seed, const std::function<Registration(const Correspondences&)>& solver) {
-  return run_solver(correspondences, CallOptions{noise_bound, seed},
-                    [&](const Correspondences& rows, const CallOptions& used, Registration& result) {
-                      solve(rows, used.noise_bound, bounds_tried, used.seed, solver, result);
-                    });
+  return run_at_known_scale(correspondences, CallOptions{noise_bound, seed},
+                            [&](const Correspondences& rows, const CallOptions& used, Registration& result) {
+                              solve(rows, used.noise_bound, bounds_tried, used.seed, solver, result);
+                            });
 }
 
 }  // namespace consimd::detail

@@ -4,8 +4,8 @@
 #include <string>
 #include <utility>
 
-#include "call/solver_call.hpp"
 #include "sc2_pcr/sc2_pcr_options.hpp"
+#include "scale/rival_scale.hpp"
 #include "search/consensus_search.hpp"
 #include "search/matrix_sample.hpp"
 #include "support/hypothesis_selection.hpp"
@@ -83,7 +83,7 @@ void solve(const Correspondences& correspondences, const Sc2PcrOptions& options,
 
 Registration register_sc2_pcr(const Correspondences& correspondences, const Sc2PcrOptions& options) {
   check(options);
-  return detail::run_solver(correspondences, options, solve);
+  return detail::run_at_known_scale(correspondences, options, solve);
 }
 
 }  // namespace consimd

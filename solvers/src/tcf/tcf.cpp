@@ -2,7 +2,7 @@
 
 #include <consimd/kernels/elementary_functions.hpp>
 
-#include "call/solver_call.hpp"
+#include "scale/rival_scale.hpp"
 #include "search/consensus_search.hpp"
 #include "support/independent_rows.hpp"
 #include "support/pose_candidate.hpp"
@@ -92,10 +92,10 @@ void solve(const Correspondences& correspondences, const TcfOptions& options, co
 Registration detail::register_tuned_tcf(const Correspondences& correspondences, const TcfOptions& options,
                                         const TcfTuning& tuning) {
   require_options(tcf_options(), options);
-  return run_solver(correspondences, options,
-                    [&](const Correspondences& rows, const TcfOptions& used, Registration& result) {
-                      solve(rows, used, tuning, result);
-                    });
+  return run_at_known_scale(correspondences, options,
+                            [&](const Correspondences& rows, const TcfOptions& used, Registration& result) {
+                              solve(rows, used, tuning, result);
+                            });
 }
 
 Registration register_tcf(const Correspondences& correspondences, const TcfOptions& options) {

@@ -8,7 +8,7 @@
 #include <consimd/solvers/three_point_ransac.hpp>
 #include <consimd/solvers/two_point_ransac.hpp>
 
-#include "call/solver_call.hpp"
+#include "scale/rival_scale.hpp"
 #include "support/pose_candidate.hpp"
 #include "tcf/tcf_options.hpp"
 #include "verdict/pose_checks.hpp"
@@ -104,7 +104,7 @@ void solve(const Correspondences& correspondences, const TcfPublishedOptions& op
 
 Registration register_tcf_published(const Correspondences& correspondences, const TcfPublishedOptions& options) {
   detail::require_options(detail::tcf_published_options(), options);
-  return detail::run_solver(correspondences, options, solve);
+  return detail::run_at_known_scale(correspondences, options, solve);
 }
 
 }  // namespace consimd

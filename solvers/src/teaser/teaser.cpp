@@ -10,7 +10,7 @@
 #include <consimd/solvers/adaptive_voting.hpp>
 #include <consimd/solvers/maximum_clique.hpp>
 
-#include "call/solver_call.hpp"
+#include "scale/rival_scale.hpp"
 #include "scale/scaled_registration.hpp"
 #include "search/consensus_search.hpp"
 #include "support/pose_candidate.hpp"
@@ -181,7 +181,7 @@ void solve(const Correspondences& correspondences, const TeaserOptions& options,
 }
 
 Registration register_at_known_scale(const Correspondences& correspondences, const TeaserOptions& options) {
-  return detail::run_solver(correspondences, options, solve);
+  return detail::run_at_known_scale(correspondences, options, solve);
 }
 
 }  // namespace

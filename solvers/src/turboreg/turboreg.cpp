@@ -5,7 +5,7 @@
 
 #include <consimd/kernels/three_point_fit.hpp>
 
-#include "call/solver_call.hpp"
+#include "scale/rival_scale.hpp"
 #include "search/consensus_search.hpp"
 #include "search/matrix_sample.hpp"
 #include "support/hypothesis_selection.hpp"
@@ -75,7 +75,7 @@ void solve(const Correspondences& correspondences, const TurboRegOptions& option
 
 Registration register_turboreg(const Correspondences& correspondences, const TurboRegOptions& options) {
   detail::require_options(detail::turboreg_options(), options);
-  return detail::run_solver(correspondences, options, solve);
+  return detail::run_at_known_scale(correspondences, options, solve);
 }
 
 }  // namespace consimd

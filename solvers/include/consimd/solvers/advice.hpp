@@ -13,9 +13,9 @@ namespace CONSIMD_EXPORT consimd {
 
 /// Sentences for people, each without a full stop; most often none. They tell of rows far from all others and of a
 /// noise bound that was raised; and where no pose was found, of a mirror image, of pair lengths that agree on another
-/// scale (searched with pcr99 among up to 1024 rows, some tenths of a second), and of rows too few for any evidence, which
-/// `register_assumed_inliers` takes all the same. Options have the names of the library, which those of the command
-/// follow. The same for any number of threads and every ISA.
+/// scale (searched with pcr99 among up to 1024 rows, some tenths of a second), and of rows too few for any evidence,
+/// which `register_assumed_inliers` takes all the same. Options have the names of the library, which those of the
+/// command follow. The same for any number of threads and every ISA.
 [[nodiscard]] std::vector<std::string> advice(const Correspondences& correspondences, const Registration& result);
 
 /// The same of rows that are all assumed to be right: what their points leave free, and another scale or a reflection
