@@ -49,8 +49,8 @@ bool may_stand_out(const Points& points, double extent, double times) {
   return !(extent <= times * distances[kClosePairs]);
 }
 
-// The points, but the one repeated most once only: a "no value" that most rows have is no place where most points are.
-// All others count as often as they are there, as the targets of a board do that many frames show.
+// The points, but one that half of the rows have once only: a "no value" that most rows have is no place where most
+// points are. All others count as often as they are there, as the targets of a board do that many frames show.
 template <typename Points>
 std::vector<Point> counted_points(const Points& points) {
   std::vector<Point> sorted(points.size);
@@ -62,7 +62,7 @@ std::vector<Point> counted_points(const Points& points) {
     if (end - first > std::ranges::ssize(most)) most = {first, end};
     first = end;
   }
-  if (!most.empty()) sorted.erase(most.begin() + 1, most.end());
+  if (2 * most.size() >= sorted.size() && !most.empty()) sorted.erase(most.begin() + 1, most.end());
   return sorted;
 }
 

@@ -68,6 +68,21 @@ TEST_P(AnotherScale, IsNoSuccessAndIsNamed) {
   }
 }
 
+TEST(AnotherScale, OfAFewRowsIsNoSuccessWithoutABoundEither) {
+  for (const double scale : {0.95, 0.98, 1.02, 1.05}) {
+    for (std::uint64_t trial = 0; trial < trials(60); ++trial) {
+      const Problem problem = synth::hard_problem({.correspondences = 8 + trial % 12,
+                                                   .outlier_ratio = trial % 2 == 0 ? 0.0 : 0.2,
+                                                   .sigma = 0.001,
+                                                   .half_extent = 50.0,
+                                                   .trial = trial,
+                                                   .scale = scale});
+      const Registration result = register_by_name("tcf", problem.correspondences(), {.seed = trial});
+      EXPECT_NE(result.status, Status::success) << scale << " trial " << trial << ": " << result.inliers.size();
+    }
+  }
+}
+
 // The supporters of a right pose differ from scale 1 by more than two deviations once in twenty times, and are looked
 // at then: none may be refused for it.
 TEST(AnotherScale, IsNotFoundAtScaleOne) {

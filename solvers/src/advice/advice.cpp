@@ -92,8 +92,8 @@ constexpr const char* kMirrored =
 std::vector<std::string> advice(const AssumedInliers& result) {
   std::vector<std::string> sentences;
   if (result.geometry != PointGeometry::determined) {
-    sentences.push_back(
-        sentence("the points of a cloud are ", to_string(result.geometry), ": they leave a rotation free"));
+    sentences.push_back(sentence("the points of a cloud are ", to_string(result.geometry),
+                                 ", up to the residuals of a fit: they leave a rotation free, or a row is wrong"));
   }
   if (result.other_scale) sentences.push_back(of_other_scale(*result.other_scale));
   if (result.registration.mirrored) sentences.emplace_back(kMirrored);

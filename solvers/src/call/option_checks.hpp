@@ -33,6 +33,11 @@ inline void require_length(std::string_view name, double value) {
 /// unit: volumes, squares of variances.
 inline constexpr double kLargestExtent = 1e75;
 
+inline void require_within_reach(const Correspondences& correspondences, double noise_bound) {
+  if (noise_bound * correspondences.scale() <= kLongest) return;
+  reject_option("noise_bound", noise_bound, "one that is not that many times the extent of the points");
+}
+
 inline void require_usable_unit(const Correspondences& correspondences) {
   const double extent = 1.0 / correspondences.scale();
   if (extent <= kLargestExtent && extent >= 1.0 / kLargestExtent) return;

@@ -31,6 +31,7 @@ template <typename Options, typename Solve>
 Registration run_solver(const Correspondences& correspondences, const Options& asked, const Solve& solve) {
   require_length("noise_bound", asked.noise_bound);
   require_usable_unit(correspondences);
+  require_within_reach(correspondences, asked.noise_bound);
   Registration result;
   run_on_threads(asked.threads, [&] {
     Options options = asked;

@@ -20,8 +20,10 @@ constexpr double kCalibration = 0.02;
 constexpr double kLeastDifference = 1e-3;
 constexpr double kScaleDeviations = 5.0;
 constexpr double kMostOfThem = 0.5;
-// Where the bound is told by the residuals: without the scale it would be half as large.
+// Where the bound is told by the residuals: without the scale it would be half as large. Of six supporters at the same
+// scale one in three thousand is so, by the F distribution of 1 and 11 degrees of freedom.
 constexpr double kHalvesTheBound = 0.75;
+constexpr double kLeastSupporters = 6.0;
 // Deviations from which on it is asked how many rows support the pose with a scale of its own: a right pose is by
 // chance once in twenty times. One parameter more brings in a row or two.
 constexpr double kWorthALook = 2.0;
@@ -33,8 +35,11 @@ double scale_deviations(double scale, double deviation, double shared_errors) {
   return std::abs(scale - 1.0) * std::sqrt(shared_errors) / deviation;
 }
 
-// The share that the scale explains of the squared residuals of so many supporters.
-double explained_share(double deviations, double supporters) { return deviations * deviations / (3.0 * supporters); }
+// The share that the scale explains of the squared residuals of so many supporters. Their variance is that of 3 n - 8
+// of them.
+double explained_share(double deviations, double supporters) {
+  return deviations * deviations / std::max(3.0 * supporters - 8.0, 1.0);
+}
 
 // With its scale grown about the centre of the supporters, which stays where it is.
 void rescale(const Correspondences& correspondences, double factor,
@@ -86,7 +91,7 @@ bool hides_another_scale(const Correspondences& correspondences, const RigidTran
       refine_pose(correspondences, to_working_pose(to_working_frame(T_target_source, correspondences)), {noise_bound});
   if (!(refined.scale_deviation > 0.0) || std::abs(refined.scale - 1.0) < kLeastDifference) return false;
   const double deviations = scale_deviations(refined.scale, refined.scale_deviation, refined.shared_errors);
-  return deviations > kScaleDeviations && explained_share(deviations, refined.inliers) > kHalvesTheBound;
+  return refined.inliers >= kLeastSupporters && explained_share(deviations, refined.inliers) > kHalvesTheBound;
 }
 
 }  // namespace consimd::detail

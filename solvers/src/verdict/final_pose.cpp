@@ -188,8 +188,8 @@ FinalPose finish(const Correspondences& correspondences, const PoseTest& test, B
   final.scale_deviation = refined.scale_deviation;
   final.shared_errors = refined.shared_errors;
   final.centre = refined.centre;
-  final.is_determined = rotation_deviation(view, pose, tau, refined.sigma) <= kLargestRotationDeviation &&
-                        !hangs_on_one_supporter(view, final.inliers, tau, refined.sigma);
+  final.sigma = refined.sigma;
+  final.rotation_deviation = rotation_deviation(view, final.inliers, refined.sigma);
   final.log10_false_poses = false_poses + elementary::log10(std::max(test.bounds_tried, 1U));
   return final;
 }
@@ -200,7 +200,7 @@ void conclude(const Correspondences& correspondences, const PoseTest& test, cons
   const bool supported = final.inliers.size() >= 3;
   const std::vector<std::uint32_t> agreeing =
       supported && final.was_runner_up ? agreeing_rows(correspondences, final, test) : set;
-  if (supported ? !final.is_determined : coincident_or_collinear(correspondences)) {
+  if (supported ? final.rotation_deviation > kLargestRotationDeviation : coincident_or_collinear(correspondences)) {
     result.status = Status::degenerate_geometry;
   } else if (const std::size_t mirrored = mirrored_supporters(correspondences, agreeing, test.noise_bound);
              is_mirrored(mirrored, final.inliers.size())) {
@@ -211,6 +211,8 @@ void conclude(const Correspondences& correspondences, const PoseTest& test, cons
     if (supported) result.refused = refused_pose(correspondences, final, result);
   } else if (is_at_another_scale(correspondences, test, final)) {
     result.status = Status::no_consensus;
+  } else if (leaves_a_rotation_free(correspondences.view(), final.inliers, test.noise_bound, final.sigma)) {
+    result.status = Status::degenerate_geometry;
   } else {
     std::optional<RunnerUp> rival = runner_up(correspondences, test, poses);
     const bool as_good = rival && is_rival(rival->support, poses.best().support.count);

@@ -19,7 +19,8 @@ namespace consimd::detail {
 struct FinalPose {
   RigidTransform pose = RigidTransform::Identity();  ///< working frame
   std::vector<std::uint32_t> inliers;
-  bool is_determined = false;  ///< all of the pose, by its supporters
+  double rotation_deviation = 0.0;
+  double sigma = 0.0;  ///< of a residual per axis, caller's unit
   double log10_false_poses = 0.0;
   std::uint32_t rounds = 0;
   bool was_runner_up = false;  ///< or else another than the best pose of the search

@@ -13,7 +13,6 @@
 #include "bits/bit_rows.hpp"
 #include "support/pose_candidate.hpp"
 #include "support/row_blocks.hpp"
-#include "support/source_scatter.hpp"
 
 namespace consimd::detail {
 namespace {
@@ -33,13 +32,6 @@ constexpr double kChosenByChance = 1e-3;
 
 Eigen::Vector3d eigenvalues(const Eigen::Matrix3d& scatter) {
   return Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(scatter, Eigen::EigenvaluesOnly).eigenvalues();
-}
-
-// Standard deviation of the rotation about the least certain axis. `scatter`: of the supporters' sources about their
-// centroid, `working_sigma`: of a residual per axis, both in the working frame.
-double rotation_deviation(const Eigen::Matrix3d& scatter, double working_sigma) {
-  const Eigen::Vector3d axes = eigenvalues(scatter);
-  return working_sigma / std::sqrt(std::max(axes[0] + axes[1], 0.0));
 }
 
 double working_sigma(const CorrespondenceView& view, double sigma) {
@@ -65,32 +57,52 @@ struct Scatter {
   [[nodiscard]] Eigen::Matrix3d about_centroid() const { return squares - sum * sum.transpose() / count; }
 };
 
-}  // namespace
-
-double rotation_deviation(const CorrespondenceView& view, const WorkingPose& pose, double noise_bound, double sigma) {
-  const RigidMoments moments = row_blocks::robust_moments(view, pose, {.scale = noise_bound, .cutoff = noise_bound});
-  return rotation_deviation(central_source_scatter(moments), working_sigma(view, sigma));
+Scatter scatter_of(const CorrespondenceView& view, const std::vector<std::uint32_t>& rows) {
+  Scatter scatter;
+  for (const std::uint32_t row : rows) scatter.add(source_vector(view, row));
+  return scatter;
 }
 
-bool hangs_on_one_supporter(const CorrespondenceView& view, const std::vector<std::uint32_t>& supporters,
+// What so many points on a line scatter across it, along both axes together, if all the noise of their residuals is
+// theirs: its mean and three deviations of a sum of squares.
+double scatter_of_noise(double count, double working_sigma) {
+  return 2.0 * working_sigma * working_sigma * (count + 3.0 * std::sqrt(count));
+}
+
+// Scatter across their longest axis from which on points determine a rotation.
+double least_scatter(double count, double working_sigma) {
+  return scatter_of_noise(count, working_sigma) + std::pow(working_sigma / kLargestRotationDeviation, 2.0);
+}
+
+double across_longest_axis(const Eigen::Vector3d& axes) { return axes[0] + axes[1]; }
+
+}  // namespace
+
+double rotation_deviation(const CorrespondenceView& view, const std::vector<std::uint32_t>& supporters, double sigma) {
+  const Eigen::Matrix3d scatter = scatter_of(view, supporters).about_centroid();
+  return working_sigma(view, sigma) / std::sqrt(std::max(across_longest_axis(eigenvalues(scatter)), 0.0));
+}
+
+bool leaves_a_rotation_free(const CorrespondenceView& view, const std::vector<std::uint32_t>& supporters,
                             double noise_bound, double sigma) {
-  if (supporters.size() < 3) return true;
-  Scatter scatter;
-  for (const std::uint32_t row : supporters) scatter.add(source_vector(view, row));
-  // All but one are on a line: all are in a plane.
-  const double undetermined = std::pow(working_sigma(view, sigma) / kLargestRotationDeviation, 2.0);
-  if (eigenvalues(scatter.about_centroid())[0] > undetermined) return false;
+  const Scatter scatter = scatter_of(view, supporters);
+  const double least = least_scatter(scatter.count, working_sigma(view, sigma));
+  // Where all but one are on a line, all are near a plane, and what is off the line in it is that one.
+  const auto from_centroid = [&](std::uint32_t row) {
+    return (source_vector(view, row) - scatter.centroid()).squaredNorm();
+  };
+  const double furthest = from_centroid(*std::ranges::max_element(supporters, {}, from_centroid));
+  const Eigen::Vector3d axes = eigenvalues(scatter.about_centroid());
+  if (across_longest_axis(axes) <= least) return true;
+  if (axes[0] > least || across_longest_axis(axes) > least + 2.0 * furthest) return false;
   const auto others = [&](std::uint32_t row) {
     Scatter of_others = scatter;
     of_others.add(source_vector(view, row), -1.0);
     return of_others;
   };
-  const auto tells = [&](std::uint32_t row) {
-    const Eigen::Vector3d axes = eigenvalues(others(row).about_centroid());
-    return axes[0] + axes[1];
-  };
-  const std::uint32_t pivot = *std::ranges::min_element(supporters, {}, tells);
-  if (tells(pivot) > undetermined) return false;
+  const auto left = [&](std::uint32_t row) { return across_longest_axis(eigenvalues(others(row).about_centroid())); };
+  const std::uint32_t pivot = *std::ranges::min_element(supporters, {}, left);
+  if (left(pivot) > least) return false;
   // The chance that a row is as far along the line, and from it, in both clouds is that of two lengths to agree: the
   // rows spread over some square root of twelve deviations.
   const Scatter on_line = others(pivot);

@@ -15,13 +15,13 @@ inline constexpr double kLargestRotationDeviation = 0.35;
 
 /// Standard deviation in radians of the rotation about its least certain axis, from the scatter of the sources of the
 /// pose's supporters. sigma: of their residuals per axis, caller's unit.
-double rotation_deviation(const CorrespondenceView& view, const WorkingPose& pose, double noise_bound, double sigma);
+double rotation_deviation(const CorrespondenceView& view, const std::vector<std::uint32_t>& supporters, double sigma);
 
-/// Whether the rotation hangs on one supporter, without which the others leave it less certain than
-/// kLargestRotationDeviation, and one row or another would take its place: about the line that the others lie on a pose
+/// Whether a rotation is told by nothing but the noise of points on a line, whose scatter across it looks like
+/// information, or by one supporter whose place another row would take: about the line that the others lie on a pose
 /// can be turned until a row fits that is as far along the line, and from it, in both clouds. `supporters`: rows within
-/// the noise bound. sigma as above.
-bool hangs_on_one_supporter(const CorrespondenceView& view, const std::vector<std::uint32_t>& supporters,
+/// the noise bound, three or more. sigma as above.
+bool leaves_a_rotation_free(const CorrespondenceView& view, const std::vector<std::uint32_t>& supporters,
                             double noise_bound, double sigma);
 
 /// Whether all sources coincide or lie on a line, as far as single precision tells.
