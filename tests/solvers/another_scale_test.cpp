@@ -28,9 +28,9 @@ Problem at_scale(double scale, std::size_t rows, double outlier_ratio, std::uint
 }
 
 std::optional<double> named_scale(const Correspondences& rows, const Registration& result) {
-  static const std::regex kScale("pair lengths agree on a scale of ([0-9.e+-]+): see estimate_scale");
+  static const std::regex sentence_of_scale("pair lengths agree on a scale of ([0-9.e+-]+): see estimate_scale");
   for (const std::string& sentence : advice(rows, result)) {
-    if (std::smatch found; std::regex_match(sentence, found, kScale)) return std::stod(found[1]);
+    if (std::smatch found; std::regex_match(sentence, found, sentence_of_scale)) return std::stod(found[1]);
   }
   return std::nullopt;
 }

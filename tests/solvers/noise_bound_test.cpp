@@ -329,7 +329,8 @@ TEST(NoiseBound, GivesHardlyASuccessOnSymmetricParts) {
       points.emplace_back(2.0 + uniform(random), uniform(random), 0.3 * uniform(random));
     }
     for (std::size_t k = 0; k < kRows; ++k) {
-      const double to = 2.0 * std::numbers::pi * static_cast<double>(k / points.size()) / kSectors;
+      const std::size_t its_sector = k / points.size();
+      const double to = 2.0 * std::numbers::pi * static_cast<double>(its_sector) / kSectors;
       const Eigen::Vector3d p = Eigen::AngleAxisd(to, Eigen::Vector3d::UnitZ()) * points[k % points.size()];
       const Eigen::Vector3d q = Eigen::AngleAxisd(sector(), Eigen::Vector3d::UnitZ()) * p;
       for (int axis = 0; axis < 3; ++axis) {

@@ -152,6 +152,15 @@ bool most_significant(const Correspondences& correspondences, const PoseTest& te
   return true;
 }
 
+// Whether the supporters, or all rows where there are none, leave a part of the pose free. What looks like a rotation
+// that is told is looked at closely where chance gives no such pose.
+bool is_degenerate(const Correspondences& correspondences, const PoseTest& test, const FinalPose& final) {
+  if (final.inliers.size() < 3) return coincident_or_collinear(correspondences);
+  return final.rotation_deviation > kLargestRotationDeviation ||
+         (final.log10_false_poses < kSignificant &&
+          leaves_a_rotation_free(correspondences.view(), final.inliers, test.noise_bound, final.sigma));
+}
+
 }  // namespace
 
 FinalPose finish(const Correspondences& correspondences, const PoseTest& test, BestPoses& poses, Refinement refinement,
@@ -200,7 +209,7 @@ void conclude(const Correspondences& correspondences, const PoseTest& test, cons
   const bool supported = final.inliers.size() >= 3;
   const std::vector<std::uint32_t> agreeing =
       supported && final.was_runner_up ? agreeing_rows(correspondences, final, test) : set;
-  if (supported ? final.rotation_deviation > kLargestRotationDeviation : coincident_or_collinear(correspondences)) {
+  if (is_degenerate(correspondences, test, final)) {
     result.status = Status::degenerate_geometry;
   } else if (const std::size_t mirrored = mirrored_supporters(correspondences, agreeing, test.noise_bound);
              is_mirrored(mirrored, final.inliers.size())) {
@@ -211,8 +220,6 @@ void conclude(const Correspondences& correspondences, const PoseTest& test, cons
     if (supported) result.refused = refused_pose(correspondences, final, result);
   } else if (is_at_another_scale(correspondences, test, final)) {
     result.status = Status::no_consensus;
-  } else if (leaves_a_rotation_free(correspondences.view(), final.inliers, test.noise_bound, final.sigma)) {
-    result.status = Status::degenerate_geometry;
   } else {
     std::optional<RunnerUp> rival = runner_up(correspondences, test, poses);
     const bool as_good = rival && is_rival(rival->support, poses.best().support.count);
