@@ -20,10 +20,10 @@ constexpr double kCalibration = 0.02;
 constexpr double kLeastDifference = 1e-3;
 constexpr double kScaleDeviations = 5.0;
 constexpr double kMostOfThem = 0.5;
-// Where the bound is told by the residuals: without the scale it would be half as large. Of six supporters at the same
-// scale one in three thousand is so, by the F distribution of 1 and 11 degrees of freedom.
+// Where the bound is told by the residuals: without the scale it would be half as large. Of five supporters at the same
+// scale one in eight hundred is so, by the F distribution of 1 and 8 degrees of freedom.
 constexpr double kHalvesTheBound = 0.75;
-constexpr double kLeastSupporters = 6.0;
+constexpr double kLeastSupporters = 5.0;
 // Deviations from which on it is asked how many rows support the pose with a scale of its own: a right pose is by
 // chance once in twenty times. One parameter more brings in a row or two.
 constexpr double kWorthALook = 2.0;
