@@ -41,7 +41,7 @@ using Viewpoint = std::optional<std::array<double, 3>>;
 [[nodiscard]] Viewpoint source_viewpoint_of(const CloudArguments& arguments);
 [[nodiscard]] Viewpoint target_viewpoint_of(const CloudArguments& arguments);
 
-/// The same of the source of correspondences, if it was given. Throws as above, also on "none".
+/// Gives that of the source of correspondences, if there is one. Throws as above, also on "none".
 [[nodiscard]] Viewpoint row_viewpoint_of(const CloudArguments& arguments);
 
 void add_cloud_options(CLI::App& command, CloudArguments& arguments);

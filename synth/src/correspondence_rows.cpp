@@ -85,7 +85,7 @@ bool may_be_halves(const NumberTable& table) {
          std::ranges::all_of(table.values, [](double value) { return value == std::floor(value); });
 }
 
-/// Of a table whose rows are no correspondences as they are: says what is missing or how to choose.
+/// Throws what is missing in a table whose rows are no correspondences as they are, or how to choose its columns.
 [[noreturn]] void refuse_columns(const NumberTable& table, const fs::path& path) {
   require_no_decimal_commas(table, 6, path);
   const std::size_t width = table.row(0).size();

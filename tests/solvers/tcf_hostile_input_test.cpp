@@ -311,6 +311,10 @@ TEST(TcfOptionsTest, BoundsAndUnitsBeyondDoubleAreNamed) {
   for (const double bound : {2e307, 1e308}) {
     EXPECT_THROW(static_cast<void>(run(problem, bound)), std::invalid_argument);
   }
+  Problem small = problem;
+  for (double& x : small.source) x *= 1e-20;
+  for (double& x : small.target) x *= 1e-20;
+  EXPECT_THROW(static_cast<void>(run(small, 1e300)), std::invalid_argument);
   for (const double unit : {1e-200, 1e-110, 1e-60, 1e60, 1e110, 1e200}) {
     Problem in_unit = problem;
     for (double& x : in_unit.source) x *= unit;

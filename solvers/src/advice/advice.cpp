@@ -42,7 +42,9 @@ double target_extent(const Correspondences& correspondences) {
   const CorrespondenceView view = correspondences.view();
   std::vector<double> distances(view.size());
   for (std::size_t k = 0; k < view.size(); ++k) {
-    distances[k] = std::hypot(view.target(0)[k], view.target(1)[k], view.target(2)[k]);
+    double square = 0.0;
+    for (std::size_t axis = 0; axis < 3; ++axis) square += double{view.target(axis)[k]} * double{view.target(axis)[k]};
+    distances[k] = std::sqrt(square);
   }
   const auto middle = distances.begin() + static_cast<std::ptrdiff_t>(distances.size() / 2);
   std::ranges::nth_element(distances, middle);

@@ -59,7 +59,7 @@ struct Sums {
   Cloud target;
   RigidMoments moments{};
 
-  // The same with the first axis of the source reversed.
+  // The moments are those of sources whose first axis is reversed.
   [[nodiscard]] RigidMoments mirrored() const {
     RigidMoments result = moments;
     result.source[0] = -result.source[0];

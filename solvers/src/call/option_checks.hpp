@@ -22,7 +22,7 @@ template <typename T>
   throw std::invalid_argument(message.str());
 }
 
-/// Some times as much is still a number.
+/// Ten times as much is still a number.
 inline constexpr double kLongest = 1e307;
 
 inline void require_length(std::string_view name, double value) {
@@ -35,7 +35,7 @@ inline constexpr double kLargestExtent = 1e75;
 
 inline void require_within_reach(const Correspondences& correspondences, double noise_bound) {
   if (noise_bound * correspondences.scale() <= kLongest) return;
-  reject_option("noise_bound", noise_bound, "one that is not that many times the extent of the points");
+  reject_option("noise_bound", noise_bound, "one that is at most 1e307 times the extent of the points");
 }
 
 inline void require_usable_unit(const Correspondences& correspondences) {

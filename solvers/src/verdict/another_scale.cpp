@@ -1,5 +1,6 @@
 #include "verdict/another_scale.hpp"
 
+#include <algorithm>
 #include <cmath>
 
 #include <consimd/solvers/pose_refinement.hpp>
@@ -18,6 +19,8 @@ constexpr double kStill = 1e-3;
 // is as large as the scale makes it.
 constexpr double kCalibration = 0.02;
 constexpr double kLeastDifference = 1e-3;
+// By so many deviations, and where it explains so much of their squared residuals, the supporters are the rows near a
+// centre that the pose turns and grows about, and tell nothing of the rest.
 constexpr double kScaleDeviations = 5.0;
 constexpr double kMostOfThem = 0.5;
 // Where the bound is told by the residuals: without the scale it would be half as large. Of five supporters at the same
@@ -28,6 +31,9 @@ constexpr double kLeastSupporters = 5.0;
 // chance once in twenty times. One parameter more brings in a row or two.
 constexpr double kWorthALook = 2.0;
 constexpr std::size_t kByOneParameter = 2;
+// The share of the noise bound by which another scale moves the outermost supporters at least: about its centre rows
+// support the pose until it moves them by all of the bound.
+constexpr double kAtTheRim = 0.5;
 
 // Deviations by which a scale differs from 1. Another scale is itself an error that the supporters share: they are
 // those of independent errors.
@@ -41,7 +47,17 @@ double explained_share(double deviations, double supporters) {
   return deviations * deviations / std::max(3.0 * supporters - 8.0, 1.0);
 }
 
-// With its scale grown about the centre of the supporters, which stays where it is.
+// Distance of the outermost supporter from the centre of all, caller's unit.
+double reach(const CorrespondenceView& view, const FinalPose& final) {
+  double largest = 0.0;
+  for (const std::uint32_t row : final.inliers) {
+    const Eigen::Vector3d point(view.source(0)[row], view.source(1)[row], view.source(2)[row]);
+    largest = std::max(largest, (point - Eigen::Vector3d(final.centre)).squaredNorm());
+  }
+  return std::sqrt(largest) / view.scale();
+}
+
+// Makes the scale grow about the centre of the supporters, which stays where it is.
 void rescale(const Correspondences& correspondences, double factor,
              const Eigen::Matrix<double, 3, 1, Eigen::DontAlign>& working_centre, Similarity& similarity) {
   const Eigen::Vector3d centre = Eigen::Vector3d(working_centre) / correspondences.scale() +
@@ -75,7 +91,7 @@ bool is_at_another_scale(const Correspondences& correspondences, const PoseTest&
       explained_share(deviations, static_cast<double>(final.inliers.size())) > kMostOfThem) {
     return true;
   }
-
+  if (std::abs(final.scale - 1.0) * reach(correspondences.view(), final) < kAtTheRim * test.noise_bound) return false;
   Similarity similarity{1.0, to_caller_frame(final.pose, correspondences)};
   rescale(correspondences, final.scale, final.centre, similarity);
   refine_similarity(correspondences, test.noise_bound, similarity);

@@ -198,7 +198,7 @@ FinalPose finish(const Correspondences& correspondences, const PoseTest& test, B
   final.shared_errors = refined.shared_errors;
   final.centre = refined.centre;
   final.sigma = refined.sigma;
-  final.rotation_deviation = rotation_deviation(view, final.inliers, refined.sigma);
+  final.rotation_deviation = rotation_deviation(view, pose, tau, refined.sigma);
   final.log10_false_poses = false_poses + elementary::log10(std::max(test.bounds_tried, 1U));
   return final;
 }

@@ -13,6 +13,7 @@
 #include "bits/bit_rows.hpp"
 #include "support/pose_candidate.hpp"
 #include "support/row_blocks.hpp"
+#include "support/source_scatter.hpp"
 
 namespace consimd::detail {
 namespace {
@@ -27,7 +28,8 @@ constexpr double kMirrorSupportRatio = 1.1;
 // there are no others to choose from four do, the fewest that are not their own mirror image.
 constexpr std::size_t kLeastImage = 8;
 constexpr std::size_t kLeastOfAll = 4;
-// Rows that a turn would bring into place by chance, from which on one that it does tells nothing.
+// Rows that a turn would bring into place by chance, as many as a success may have false poses: from there on one that
+// it does bring tells nothing.
 constexpr double kChosenByChance = 1e-3;
 
 Eigen::Vector3d eigenvalues(const Eigen::Matrix3d& scatter) {
@@ -71,30 +73,34 @@ double scatter_of_noise(double count, double working_sigma) {
 
 // Scatter across their longest axis from which on points determine a rotation.
 double least_scatter(double count, double working_sigma) {
-  return scatter_of_noise(count, working_sigma) + std::pow(working_sigma / kLargestRotationDeviation, 2.0);
+  const double turned = working_sigma / kLargestRotationDeviation;
+  return scatter_of_noise(count, working_sigma) + turned * turned;
 }
 
 double across_longest_axis(const Eigen::Vector3d& axes) { return axes[0] + axes[1]; }
 
 }  // namespace
 
-double rotation_deviation(const CorrespondenceView& view, const std::vector<std::uint32_t>& supporters, double sigma) {
-  const Eigen::Matrix3d scatter = scatter_of(view, supporters).about_centroid();
-  return working_sigma(view, sigma) / std::sqrt(std::max(across_longest_axis(eigenvalues(scatter)), 0.0));
+double rotation_deviation(const CorrespondenceView& view, const WorkingPose& pose, double noise_bound, double sigma) {
+  const RigidMoments moments = row_blocks::robust_moments(view, pose, {.scale = noise_bound, .cutoff = noise_bound});
+  const double across = across_longest_axis(eigenvalues(central_source_scatter(moments)));
+  return working_sigma(view, sigma) / std::sqrt(std::max(across, 0.0));
 }
 
 bool leaves_a_rotation_free(const CorrespondenceView& view, const std::vector<std::uint32_t>& supporters,
                             double noise_bound, double sigma) {
   const Scatter scatter = scatter_of(view, supporters);
   const double least = least_scatter(scatter.count, working_sigma(view, sigma));
-  // Where all but one are on a line, all are near a plane, and what is off the line in it is that one.
-  const auto from_centroid = [&](std::uint32_t row) {
-    return (source_vector(view, row) - scatter.centroid()).squaredNorm();
-  };
-  const double furthest = from_centroid(*std::ranges::max_element(supporters, {}, from_centroid));
   const Eigen::Vector3d axes = eigenvalues(scatter.about_centroid());
   if (across_longest_axis(axes) <= least) return true;
-  if (axes[0] > least || across_longest_axis(axes) > least + 2.0 * furthest) return false;
+  // Where all but one are on a line, all are near a plane, and what is off the line in it is that one.
+  if (axes[0] > least) return false;
+  const Eigen::Vector3d centroid = scatter.centroid();
+  double furthest = 0.0;
+  for (const std::uint32_t row : supporters) {
+    furthest = std::max(furthest, (source_vector(view, row) - centroid).squaredNorm());
+  }
+  if (across_longest_axis(axes) > least + 2.0 * furthest) return false;
   const auto others = [&](std::uint32_t row) {
     Scatter of_others = scatter;
     of_others.add(source_vector(view, row), -1.0);
@@ -125,9 +131,9 @@ bool coincident_or_collinear(const Correspondences& correspondences) {
     if (const Eigen::Vector3d point = source_vector(view, k); point.allFinite()) scatter.add(point);
   }
   if (scatter.count < 3.0) return true;
-  const Eigen::Vector3d axes = Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(scatter.about_centroid()).eigenvalues();
   // What rounding adds across the line, two axes of it, is no information.
-  const double across = axes[0] + axes[1] - 2.0 * scatter.count * kResolution * kResolution;
+  const double across =
+      across_longest_axis(eigenvalues(scatter.about_centroid())) - 2.0 * scatter.count * kResolution * kResolution;
   return kResolution > kLargestRotationDeviation * std::sqrt(std::max(across, 0.0));
 }
 

@@ -15,7 +15,7 @@ inline constexpr double kLargestRotationDeviation = 0.35;
 
 /// Standard deviation in radians of the rotation about its least certain axis, from the scatter of the sources of the
 /// pose's supporters. sigma: of their residuals per axis, caller's unit.
-double rotation_deviation(const CorrespondenceView& view, const std::vector<std::uint32_t>& supporters, double sigma);
+double rotation_deviation(const CorrespondenceView& view, const WorkingPose& pose, double noise_bound, double sigma);
 
 /// Whether a rotation is told by nothing but the noise of points on a line, whose scatter across it looks like
 /// information, or by one supporter whose place another row would take: about the line that the others lie on a pose

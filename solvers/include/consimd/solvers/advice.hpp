@@ -18,8 +18,8 @@ namespace CONSIMD_EXPORT consimd {
 /// command follow. The same for any number of threads and every ISA.
 [[nodiscard]] std::vector<std::string> advice(const Correspondences& correspondences, const Registration& result);
 
-/// The same of rows that are all assumed to be right: what their points leave free, and another scale or a reflection
-/// that fits them far better.
+/// Sentences of rows that are all assumed to be right. They tell what the points leave free, and another scale or a
+/// reflection that fits far better.
 [[nodiscard]] std::vector<std::string> advice(const AssumedInliers& result);
 
 }  // namespace consimd
