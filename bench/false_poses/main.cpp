@@ -2,12 +2,12 @@
 // number as it is measured.
 #include <oneapi/tbb/parallel_for.h>
 
-#include <array>
 #include <cstdint>
 #include <cstdio>
 #include <cstdlib>
 #include <exception>
 #include <optional>
+#include <sstream>
 #include <stdexcept>
 #include <string>
 #include <string_view>
@@ -25,15 +25,14 @@ namespace consimd::bench {
 namespace {
 
 constexpr const char* kUsage =
-    "consimd_false_poses [PROBLEMS [KIND [SOLVER [bound|none [SEED]]]]]\n"
+    "consimd_false_poses [PROBLEMS [KIND [SOLVER [bound|none [SEED [ROWS]]]]]]\n"
     "  PROBLEMS   of each kind and number of rows (40)\n"
     "  KIND       kinds whose name contains it (\"\": all)\n"
     "  SOLVER     its name, with options if any (tcf)\n"
     "  bound      the noise bound is given; none: it is estimated from the rows\n"
     "  SEED       of the generator (1)\n"
+    "  ROWS       of a problem, numbers separated by commas (10,30,100,300,1000,3000)\n"
     "Recorded pairs take part where CONSIMD_TEST_DATA names the folder that has their sets.\n";
-
-constexpr std::array<std::size_t, 6> kRows{10, 30, 100, 300, 1000, 3000};
 
 struct Request {
   std::uint64_t problems = 40;
@@ -41,6 +40,7 @@ struct Request {
   SolverChoice solver{std::string_view("tcf")};
   bool bound_is_given = true;
   std::uint64_t seed = 1;
+  std::vector<std::size_t> rows{10, 30, 100, 300, 1000, 3000};
 };
 
 std::uint64_t whole(const char* name, const std::string& text) {
@@ -60,7 +60,7 @@ std::uint64_t whole(const char* name, const std::string& text) {
 
 Request request_of(const std::vector<std::string>& arguments) {
   Request request;
-  if (arguments.size() > 5) throw std::invalid_argument("more than five arguments");
+  if (arguments.size() > 6) throw std::invalid_argument("more than six arguments");
   if (!arguments.empty()) request.problems = whole("PROBLEMS", arguments[0]);
   if (arguments.size() > 1) request.name = arguments[1];
   if (arguments.size() > 2) request.solver = SolverChoice(std::string_view(arguments[2]));
@@ -71,6 +71,11 @@ Request request_of(const std::vector<std::string>& arguments) {
     request.bound_is_given = arguments[3] == "bound";
   }
   if (arguments.size() > 4) request.seed = whole("SEED", arguments[4]);
+  if (arguments.size() > 5) {
+    request.rows.clear();
+    std::istringstream list(arguments[5]);
+    for (std::string rows; std::getline(list, rows, ',');) request.rows.push_back(whole("ROWS", rows));
+  }
   return request;
 }
 
@@ -104,21 +109,21 @@ void print_table(const Request& request) {
   std::erase_if(kinds, [&](const ProblemKind& kind) { return kind.name.find(request.name) == std::string::npos; });
   if (kinds.empty()) throw std::invalid_argument(fmt::format("no kind has '{}' in its name", request.name));
   fmt::print("| kind |");
-  for (const std::size_t rows : kRows) fmt::print(" {} rows |", rows);
+  for (const std::size_t rows : request.rows) fmt::print(" {} rows |", rows);
   fmt::print(" `success` | `ambiguous` |\n| --- |");
-  for (std::size_t column = 0; column < kRows.size() + 2; ++column) fmt::print(" --: |");
+  for (std::size_t column = 0; column < request.rows.size() + 2; ++column) fmt::print(" --: |");
   fmt::print("\n");
   for (const ProblemKind& kind : kinds) {
     fmt::print("| {} |", kind.name);
     Count sum;
-    for (const std::size_t rows : kRows) {
+    for (const std::size_t rows : request.rows) {
       const Count found = count(kind, request, rows);
       sum.successes += found.successes;
       sum.ambiguous += found.ambiguous;
       fmt::print(" {} |", found.successes);
       std::fflush(stdout);
     }
-    fmt::print(" {} of {} | {} |\n", sum.successes, kRows.size() * request.problems, sum.ambiguous);
+    fmt::print(" {} of {} | {} |\n", sum.successes, request.rows.size() * request.problems, sum.ambiguous);
     std::fflush(stdout);
   }
 }

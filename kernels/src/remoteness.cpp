@@ -13,6 +13,7 @@ namespace {
 constexpr std::size_t kPairs = 64;
 constexpr std::size_t kClosePairs = kPairs / 10;
 constexpr double kStandsOut = 24.0;
+constexpr std::size_t kProvesNoPose = 3;  // places
 
 using Point = std::array<double, 3>;
 
@@ -49,20 +50,38 @@ bool may_stand_out(const Points& points, double extent, double times) {
   return !(extent <= times * distances[kClosePairs]);
 }
 
-// The points, but one that half of the rows have once only: a "no value" that most rows have is no place where most
-// points are. All others count as often as they are there, as the targets of a board do that many frames show.
+// The points, but up to three places that half of the rows have together once each: three places prove no pose, so that
+// they are a "no value" rather than where most points are. All others count as often as they are there, as the targets
+// of a board do that many frames show.
 template <typename Points>
 std::vector<Point> counted_points(const Points& points) {
+  struct Place {
+    std::ptrdiff_t first;
+    std::ptrdiff_t copies;
+  };
   std::vector<Point> sorted(points.size);
   for (std::size_t i = 0; i < points.size; ++i) sorted[i] = point(points, i);
-  std::ranges::sort(sorted);
-  auto most = std::ranges::subrange(sorted.begin(), sorted.begin());
+  std::sort(sorted.begin(), sorted.end());
+  std::vector<Place> places;
   for (auto first = sorted.begin(); first != sorted.end();) {
-    const auto end = std::find_if(first, sorted.end(), [&](const auto& other) { return other != *first; });
-    if (end - first > std::ranges::ssize(most)) most = {first, end};
+    const auto end = std::find_if(first, sorted.end(), [&](const Point& other) { return other != *first; });
+    places.push_back({first - sorted.begin(), end - first});
     first = end;
   }
-  if (2 * most.size() >= sorted.size() && !most.empty()) sorted.erase(most.begin() + 1, most.end());
+  const auto more = [](const Place& a, const Place& b) { return a.copies > b.copies; };
+  const std::size_t few = std::min(kProvesNoPose, places.size());
+  std::partial_sort(places.begin(), places.begin() + static_cast<std::ptrdiff_t>(few), places.end(), more);
+  std::size_t rows = 0;
+  for (std::size_t k = 0; k < few; ++k) {
+    rows += static_cast<std::size_t>(places[k].copies);
+    if (2 * rows < sorted.size()) continue;
+    std::vector<Point> counted;
+    for (std::size_t place = 0; place < places.size(); ++place) {
+      const auto first = sorted.begin() + places[place].first;
+      counted.insert(counted.end(), first, first + (place <= k ? 1 : places[place].copies));
+    }
+    return counted;
+  }
   return sorted;
 }
 

@@ -148,6 +148,21 @@ Problem forty_rows_and_more_without_value(std::uint64_t trial) {
                                                   .trial = trial});
 }
 
+/// The same of two values, as of pixels without depth and out of range: each in fewer rows than there are others, or up
+/// to twice as many.
+Problem forty_rows_and_more_without_either_value(std::uint64_t trial) {
+  constexpr std::array kValues{9999.0, 65535.0, 1e10};
+  Problem problem = forty_rows(trial);
+  for (std::uint64_t k = 0; k < 2; ++k) {
+    problem = synth::with_far_rows(problem, {.rows = 24 + trial % 56,
+                                             .distance = kValues[(trial + k) % 3],
+                                             .side = kSides[trial % 3],
+                                             .coincident = true,
+                                             .trial = trial + k});
+  }
+  return problem;
+}
+
 Problem forty_rows_and_more_without_depth(std::uint64_t trial) {
   return synth::with_rows_without_depth(forty_rows(trial), 40 + trial % 120, 1, trial);
 }
@@ -216,6 +231,8 @@ INSTANTIATE_TEST_SUITE_P(
                       Nuisance{"rows_without_depth", forty_rows, forty_rows_and_some_without_depth, 0.05, 0.05},
                       Nuisance{"most_rows_without_depth", forty_rows, forty_rows_and_more_without_depth, 0.05, 0.05},
                       Nuisance{"most_rows_without_value", forty_rows, forty_rows_and_more_without_value, 0.05, 0.05},
+                      Nuisance{"most_rows_without_either_value", forty_rows, forty_rows_and_more_without_either_value,
+                               0.05, 0.05},
                       Nuisance{"copies", targets_once, targets_copied, 0.05, 0.05},
                       Nuisance{"targets_in_frames", targets_once, targets_measured_again, 0.05, 0.05},
                       Nuisance{"all_to_all", known_landmarks, landmarks, 0.3, 0.3},

@@ -13,13 +13,15 @@
 namespace consimd::detail {
 namespace {
 
-// Evidence of up to so many rows, and log10 of false poses down to five times what success needs, is thin: from more
-// supporters their own scale stands out (see is_at_another_scale).
+// Evidence of up to so many rows is thin: from more supporters their own scale stands out (see is_at_another_scale).
+// Among many rows, for which it takes a millisecond or two, only where log10 of false poses is no less than five times
+// what success needs.
 constexpr std::size_t kFewSupporters = 24;
+constexpr std::size_t kFewRows = 512;
 constexpr double kThin = 5.0 * kSignificant;
 // Scales closer than this are those of calibrations.
 constexpr double kLeastDifference = 0.01;
-// A sample that tells a scale which a quarter of the rows agree on, in a millisecond or two.
+// A sample that tells a scale which a quarter of the rows agree on.
 constexpr std::uint32_t kVoters = 64;
 constexpr std::uint32_t kPartners = 512;
 
@@ -34,8 +36,8 @@ std::uint32_t support_at(double scale, const Correspondences& correspondences, c
 
 void refuse_at_rival_scale(const Correspondences& correspondences, Registration& result) {
   // A scale that was estimated has had its rivals.
-  if (!result.has_pose() || result.scale != 1.0) return;
-  if (result.inliers.size() > kFewSupporters || result.log10_false_poses < kThin) return;
+  if (!result.has_pose() || result.scale != 1.0 || result.inliers.size() > kFewSupporters) return;
+  if (correspondences.size() > kFewRows && result.log10_false_poses < kThin) return;
   const std::vector<VotedScale> voted = scale_voting(correspondences, {.noise_bound = result.noise_bound,
                                                                        .seed = result.seed,
                                                                        .max_voters = kVoters,

@@ -4,9 +4,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "call/stage_clock.hpp"
 #include "sampling/sampling.hpp"
+#include "search/sparse_sets.hpp"
 #include "support/pose_candidate.hpp"
 #include "support/repeated_points.hpp"
 #include "verdict/ambiguity.hpp"
@@ -18,6 +20,13 @@ namespace {
 // That a seed of any pose that may become the best or its rival has been drawn, in a search with care, if no more is
 // asked for.
 constexpr double kCarefulConfidence = 0.999;
+
+// A seed that is looked at with care takes so many times the time of another.
+constexpr double kTimeOfCare = 2.0;
+// Sets of so many rows tell nothing.
+constexpr std::uint32_t kSmallestSets = 3;
+// Sets whose poses are fitted before it is known which of the others are still of interest.
+constexpr std::size_t kSetsAtOnce = 64;
 
 bool lower_score(const PoseCandidate& a, const PoseCandidate& b) { return a.support.score < b.support.score; }
 
@@ -40,7 +49,7 @@ std::uint64_t ConsensusSearch::careful_seeds() const {
   return iterations_needed(std::max(options_.confidence, kCarefulConfidence), share, 1);
 }
 
-bool ConsensusSearch::confident() const { return !stopped_ && sets_.drawn() >= seeds_needed(); }
+bool ConsensusSearch::confident() const { return !stopped_ && (exhaustive_ || sets_.drawn() >= seeds_needed()); }
 
 void ConsensusSearch::offer(const WorkingPose& pose) {
   const PoseCandidate start = scored(correspondences_, pose, options_.noise_bound);
@@ -48,6 +57,9 @@ void ConsensusSearch::offer(const WorkingPose& pose) {
 }
 
 void ConsensusSearch::run(bool careful) {
+  if (exhaustive_) return;
+  if (careful && seeds_for_all() < kTimeOfCare * static_cast<double>(correspondences_.size())) look_at_all_sets();
+  if (exhaustive_) return;
   draw_rounds(careful);
   if (!stopped_) look_for_repeated_rival();
 }
@@ -96,10 +108,41 @@ void ConsensusSearch::draw_rounds(bool careful) {
     for (std::size_t wave = rounds.first_wave; !ranking.empty(); wave = ranking.size()) {
       wave = std::min(wave, ranking.size());
       sets_.prune(ranking.first(wave), support_of_interest(), settled_.has_value());
-      fit_sets(ranking.first(wave));
+      fit_round(ranking.first(wave));
       ranking = sets_.promising(ranking.subspan(wave), support_of_interest(), explained);
     }
+    // Once seeds have taken as long as looking at all sets does, and would take longer still: whatever the best is
+    // then, no more than twice the time is spent.
+    const double all = settled_ ? std::numeric_limits<double>::infinity() : seeds_for_all();
+    if (sets_.drawn() >= all && wanted() > sets_.drawn() + all) look_at_all_sets();
+    if (exhaustive_ || stopped_) return;
   }
+}
+
+double ConsensusSearch::seeds_for_all() const {
+  if (tried_all_) return std::numeric_limits<double>::infinity();
+  return seeds_for_all_sets(correspondences_.size(), sets_.share(), options_.matrix_budget_bytes);
+}
+
+void ConsensusSearch::look_at_all_sets() {
+  tried_all_ = true;
+  const std::uint32_t by_chance = largest_by_chance(correspondences_.size(), sets_.share());
+  const std::uint32_t least = std::max({support_of_interest(), by_chance, kSmallestSets}) + 1;
+  const auto [sets, all] = [&] {
+    const StageClock clock(all_sets_seconds_);
+    return sparse_sets(correspondences_, 2.0 * options_.noise_bound, least, options_.stop);
+  }();
+  std::vector<SetToFit> fitted;
+  for (std::size_t first = 0; first < sets.size() && sets[first].size() > support_of_interest(); first += kSetsAtOnce) {
+    stopped_ = options_.stop.met();
+    if (stopped_) return;
+    fitted.clear();
+    for (std::size_t k = first; k < std::min(first + kSetsAtOnce, sets.size()); ++k) {
+      if (!poses_.best_explains(sets[k].front())) fitted.push_back({&sets[k], sets_.drawn() + k});
+    }
+    fit_sets(fitted);
+  }
+  exhaustive_ = all;
 }
 
 // Support from which a pose may become the best or its rival.
@@ -107,20 +150,25 @@ std::uint32_t ConsensusSearch::support_of_interest() const {
   return static_cast<std::uint32_t>(kRivalShare * best().support.count);
 }
 
-void ConsensusSearch::fit_sets(std::span<const std::uint32_t> positions) {
+void ConsensusSearch::fit_round(std::span<const std::uint32_t> positions) {
+  std::vector<SetToFit> fitted;
+  for (const std::uint32_t h : positions) {
+    if (sets_.set(h).size() >= 3) fitted.push_back({&sets_.set(h), sets_.drawn() + h});
+  }
+  fit_sets(fitted);
+}
+
+void ConsensusSearch::fit_sets(std::span<const SetToFit> sets) {
   const StageClock clock(three_point_seconds_);
   const ThreePointTuning& tuning = options_.tuning.three_point;
-  std::vector<std::uint32_t> fitted;
-  std::ranges::copy_if(positions, std::back_inserter(fitted),
-                       [&](std::uint32_t h) { return sets_.set(h).size() >= 3; });
-  if (fitted.empty()) return;
+  if (sets.empty()) return;
 
-  candidates_.resize(fitted.size());
-  tbb::parallel_for(std::size_t{0}, fitted.size(), [&](std::size_t i) {
-    candidates_[i] = pose_of_set(correspondences_, sets_.set(fitted[i]), options_.noise_bound, options_.seed,
-                                 sets_.drawn() + fitted[i], support_of_interest(), tuning, scratch_.local());
+  candidates_.resize(sets.size());
+  tbb::parallel_for(std::size_t{0}, sets.size(), [&](std::size_t i) {
+    candidates_[i] = pose_of_set(correspondences_, *sets[i].rows, options_.noise_bound, options_.seed,
+                                 sets[i].hypothesis, support_of_interest(), tuning, scratch_.local());
   });
-  minimal_fits_ += fitted.size() * tuning.triples;
+  minimal_fits_ += sets.size() * tuning.triples;
   const auto winner = std::max_element(candidates_.begin(), candidates_.end(), lower_score);
   if (winner->support.score > kRivalShare * best().support.score) {
     *winner = locally_optimise(correspondences_, *winner, options_.noise_bound);
@@ -128,7 +176,7 @@ void ConsensusSearch::fit_sets(std::span<const std::uint32_t> positions) {
   bool improved = false;
   for (std::size_t i = 0; i < candidates_.size(); ++i) {
     if (!poses_.offer(candidates_[i])) continue;
-    best_set_ = sets_.set(fitted[i]);
+    best_set_ = *sets[i].rows;
     improved = true;
   }
   if (improved) settle();

@@ -37,7 +37,9 @@ class ConsensusSearch {
   void offer(const WorkingPose& pose);
 
   /// Draws rounds of seeds until one of the best pose's supporters has been among them with the wanted confidence; or,
-  /// with care, again until one of any pose that may become the best or its rival has been, with more confidence.
+  /// with care, again until one of any pose that may become the best or its rival has been, with more confidence. Where
+  /// few pairs of rows agree and many seeds are needed, it looks at all sets instead, after which there is nothing more
+  /// to do.
   void run(bool careful);
 
   /// The pose of highest score so far, locally optimised; support.count below 3: none.
@@ -49,6 +51,8 @@ class ConsensusSearch {
   [[nodiscard]] const std::vector<std::uint32_t>& best_set() const noexcept { return best_set_; }
   /// Whether the seeds drawn suffice for the wanted confidence.
   [[nodiscard]] bool confident() const;
+  /// Whether all sets have been looked at.
+  [[nodiscard]] bool exhaustive() const noexcept { return exhaustive_; }
   /// Whether the options' condition has ended it.
   [[nodiscard]] bool stopped() const noexcept { return stopped_; }
 
@@ -57,6 +61,9 @@ class ConsensusSearch {
 
   [[nodiscard]] const SeedSets& sets() const noexcept { return sets_; }
   [[nodiscard]] std::uint64_t minimal_fits() const noexcept { return minimal_fits_; }
+  /// Rows whose sets have been looked at.
+  [[nodiscard]] std::uint64_t seeds() const noexcept { return exhaustive_ ? correspondences_.size() : sets_.drawn(); }
+  [[nodiscard]] double two_point_seconds() const noexcept { return sets_.two_point_seconds() + all_sets_seconds_; }
   [[nodiscard]] double three_point_seconds() const noexcept { return three_point_seconds_; }
 
  private:
@@ -64,9 +71,17 @@ class ConsensusSearch {
   [[nodiscard]] std::uint64_t careful_seeds() const;
   [[nodiscard]] std::uint32_t support_of_interest() const;
   void draw_rounds(bool careful);
+  void fit_round(std::span<const std::uint32_t> positions);
+  [[nodiscard]] double seeds_for_all() const;
+  void look_at_all_sets();
   void look_for_repeated_rival();
   void settle();
-  void fit_sets(std::span<const std::uint32_t> positions);
+  // A set whose pose is wanted, and what keys its random numbers.
+  struct SetToFit {
+    const std::vector<std::uint32_t>* rows;
+    std::uint64_t hypothesis;
+  };
+  void fit_sets(std::span<const SetToFit> sets);
 
   const Correspondences& correspondences_;
   ConsensusSearchOptions options_;
@@ -76,8 +91,11 @@ class ConsensusSearch {
   std::optional<Significance> settled_;
   std::vector<PoseCandidate> candidates_;
   tbb::enumerable_thread_specific<PoseScratch> scratch_;
+  double all_sets_seconds_ = 0.0;
   double three_point_seconds_ = 0.0;
   std::uint64_t minimal_fits_ = 0;
+  bool tried_all_ = false;  // to look at all sets
+  bool exhaustive_ = false;
   bool stopped_ = false;
 };
 

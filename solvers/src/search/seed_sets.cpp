@@ -37,7 +37,12 @@ std::size_t SeedSets::matrix_size() const {
   return size >= least ? size : 0;
 }
 
-// `share`: of the pairs tested last, those that are consistent; 0 before the first round.
+double SeedSets::share() const {
+  if (counts_.empty()) return 0.0;
+  return static_cast<double>(std::accumulate(counts_.begin(), counts_.end(), std::uint64_t{0})) /
+         static_cast<double>(counts_.size() * window_.size());
+}
+
 std::size_t SeedSets::window_size(double share) const {
   const std::size_t size = correspondences_.size();
   const WindowTuning& tuning = tuning_.window;
@@ -51,11 +56,7 @@ std::size_t SeedSets::window_size(double share) const {
 
 void SeedSets::draw(std::uint32_t count, bool dense_work) {
   const StageClock clock(one_point_seconds_);
-  double share = 0.0;
-  if (!counts_.empty()) {
-    share = static_cast<double>(std::accumulate(counts_.begin(), counts_.end(), std::uint64_t{0})) /
-            static_cast<double>(counts_.size() * window_.size());
-  }
+  const double share = this->share();
   const bool dense = share > tuning_.window.dense;
   first_ = drawn_;
   drawn_ += count;

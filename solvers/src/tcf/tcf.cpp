@@ -59,6 +59,7 @@ void solve(const Correspondences& correspondences, const TcfOptions& options, co
   double refinement_seconds = 0.0;
   Judged judged{detail::BestPoses(correspondences, options.noise_bound), {}};
   for (const bool careful : {false, true}) {
+    if (careful && search.exhaustive()) break;
     if (careful && options.stop.met()) {
       result.stopped = true;
       break;
@@ -82,7 +83,7 @@ void solve(const Correspondences& correspondences, const TcfOptions& options, co
   const detail::SeedSets& sets = search.sets();
   result.stages = {
       {"one_point", size, sets.largest_raw_set(), sets.drawn(), sets.one_point_seconds()},
-      {"two_point", sets.largest_raw_set(), search.best_set().size(), sets.drawn(), sets.two_point_seconds()},
+      {"two_point", sets.largest_raw_set(), search.best_set().size(), search.seeds(), search.two_point_seconds()},
       {"three_point", size, poses.best().support.count, search.minimal_fits(), search.three_point_seconds()},
       {"refinement", size, result.inliers.size(), final.rounds, refinement_seconds}};
 }

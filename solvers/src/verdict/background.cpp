@@ -1,6 +1,7 @@
 #include "verdict/background.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cstdint>
 #include <utility>
 #include <vector>
@@ -24,10 +25,12 @@ constexpr std::uint32_t kStratumPairs = 1024;
 // Pairing that gives so many hits by chance alone, once in so many times, shows no structure: one in fifty for all
 // eighteen ways of pairing together. Where random pairing gives next to no hits, structure gives few as well and cannot
 // be that unlikely; once in twenty is enough there, with which 3 instead of 6 of 180 problems of kept range end as a
-// success.
+// success. Of eighteen ways one is as unlikely as that for nothing, so that it must show at twice the bound as well,
+// where hits are up to eight times as many: 2 hits for 0.25 had a true pose of 10^-5.3 be worth 10^-1.0.
 constexpr double kNoStructure = 1e-3;
 constexpr double kNoStructureOfFew = 0.05;
 constexpr double kFewHits = 8.0;
+constexpr double kWider = 2.0;
 // Where random pairing gives fewer, no hit at all is no sign that structure gives none.
 constexpr double kNextToNone = 1.0;
 // Half of the noise bound is at this position among the tested ones.
@@ -41,20 +44,25 @@ bool same(const WorkingPose& a, const WorkingPose& b) {
   return std::ranges::equal(a.rotation, b.rotation) && std::ranges::equal(a.translation, b.translation);
 }
 
-// The chance that hits among trials tell of, or that of random pairing where they do not differ from it.
-double structured(double at_random, double hits, double trials) {
-  const double none = at_random * trials < kFewHits ? kNoStructureOfFew : kNoStructure;
-  if (log_binomial_tail(trials, hits, at_random) > elementary::log(none)) return at_random;
-  return std::max(at_random, chance(hits, trials));
+// Whether random pairing gives so many hits no more than once in as many times as `chance` tells.
+bool is_rarer(double at_random, double hits, double trials, double chance) {
+  return log_binomial_tail(trials, hits, at_random) <= elementary::log(chance);
+}
+
+// The chance that hits among trials tell of, or that of random pairing where they do not differ from it. `shows_wider`
+// tells whether they do at a wider bound.
+template <typename ShowsWider>
+double structured(double at_random, double hits, double trials, const ShowsWider& shows_wider) {
+  const bool is_structure =
+      is_rarer(at_random, hits, trials, kNoStructure) ||
+      (at_random * trials < kFewHits && is_rarer(at_random, hits, trials, kNoStructureOfFew) && shows_wider());
+  return is_structure ? std::max(at_random, chance(hits, trials)) : at_random;
 }
 
 // Where structure shows at the bound itself, it is there at narrower ones as well, whose hits may be too few to show
 // it: their chances are told from how hits grow towards the bound, as in the three dimensions of space at most.
 void narrow_down(const PairingHits& support, const Chances& at_random, Chances& chances) {
-  if (log_binomial_tail(support.trials, support.hits.front(), at_random.support.front()) >
-      elementary::log(kNoStructure)) {
-    return;
-  }
+  if (!is_rarer(at_random.support.front(), support.hits.front(), support.trials, kNoStructure)) return;
   const double growth = elementary::log((support.hits.front() + 1.0) / (support.hits[kHalf] + 1.0));
   const double dimension = std::clamp(-growth / elementary::log(kTestedBounds[kHalf]), 1.0, 3.0);
   for (std::size_t b = 1; b < kTestedBounds.size(); ++b) {
@@ -117,11 +125,20 @@ double Background::measured(const WorkingPose& pose, double enough) const {
   const Chances at_random =
       random_chances(view, pose, noise_bound_, reach, kPairs, kShifts, RareHits::extrapolated, matched);
   double most = detail::log_false_poses(size, found, at_random);
-  const auto look = [&](const PairingHits& support, const PairingHits& lengths) {
+  double at_random_wider = -1.0;
+  const auto look = [&](const PairingHits& support, const PairingHits& lengths, const auto& pairing) {
+    const auto shows_wider = [&] {
+      const std::array wider{kWider * reach};
+      if (at_random_wider < 0.0) {
+        at_random_wider = pose_chances(view, pose, wider, kShifts, RareHits::extrapolated, matched).front();
+      }
+      const PairingHits hits = pairing.support(pose, wider.front(), matched);
+      return is_rarer(at_random_wider, hits.hits.front(), hits.trials, kNoStructureOfFew);
+    };
     Chances chances;
     for (std::size_t b = 0; b < kTestedBounds.size(); ++b) {
-      chances.support[b] = structured(at_random.support[b], support.hits[b], support.trials);
-      chances.length[b] = structured(at_random.length[b], lengths.hits[b], lengths.trials);
+      chances.support[b] = structured(at_random.support[b], support.hits[b], support.trials, shows_wider);
+      chances.length[b] = structured(at_random.length[b], lengths.hits[b], lengths.trials, [] { return true; });
     }
     narrow_down(support, at_random, chances);
     most = std::max(most, detail::log_false_poses(size, found, chances));
@@ -131,14 +148,16 @@ double Background::measured(const WorkingPose& pose, double enough) const {
     most = std::max(most, detail::log_false_poses(size, found, chances));
   }
   if (most >= enough) return most;
-  look(lookalikes().lookalikes.support(pose, reach, matched), lookalikes().lengths);
+  const auto& [alike, alike_lengths] = lookalikes();
+  look(alike.support(pose, reach, matched), alike_lengths, alike);
   if (most >= enough) return most;
   const bool reaches_little = at_random.support.front() * size < kLittle;
   const std::vector<ReachedTarget> reached =
       reaches_little ? reached_targets(view, pose, reach) : std::vector<ReachedTarget>{};
   for (std::size_t k = 0; k < kinds_.size(); ++k) {
     for (const auto& [strata, lengths] : kind(k)) {
-      look(reaches_little ? strata.support(reached, reach, matched) : strata.support(pose, reach, matched), lengths);
+      look(reaches_little ? strata.support(reached, reach, matched) : strata.support(pose, reach, matched), lengths,
+           strata);
       if (most >= enough) return most;
     }
   }

@@ -1,6 +1,7 @@
 #include "verdict/false_poses.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <numbers>
@@ -59,8 +60,10 @@ Chances random_chances(const CorrespondenceView& view, const WorkingPose& pose, 
   const std::vector<std::uint32_t> explained = pose_inliers(view, pose, noise_bound);
   const LengthChance length_chance(view, explained, pairs, kFixedSeed);
   Chances result;
+  std::array<double, kTestedBounds.size()> reaches{};
+  std::ranges::transform(kTestedBounds, reaches.begin(), [reach](double tested) { return tested * reach; });
+  std::ranges::copy(pose_chances(view, pose, reaches, shifts, rare, matched), result.support.begin());
   for (std::size_t b = 0; b < kTestedBounds.size(); ++b) {
-    result.support[b] = pose_chance(view, pose, kTestedBounds[b] * reach, shifts, rare, matched);
     result.length[b] = length_chance(2.0 * kTestedBounds[b] * noise_bound);
   }
   return result;

@@ -1,6 +1,7 @@
 #include "verdict/final_pose.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <numbers>
@@ -91,8 +92,9 @@ double lead_over_shift(const Correspondences& correspondences, const PoseTest& t
     reached = independent_support(view, shifted.pose, test.noise_bound);
   } else {
     const MatchedPoints matched(view, shifted.pose, test.noise_bound);
+    const std::array bounds{test.noise_bound};
     const double chance =
-        pose_chance(view, shifted.pose, test.noise_bound, kShiftPairings, RareHits::extrapolated, matched);
+        pose_chances(view, shifted.pose, bounds, kShiftPairings, RareHits::extrapolated, matched).front();
     if (log_chance_of_shifts(size, shifts.independent, chance) >= elementary::log(kChanceShifts)) return kNone;
     reached = shifts.independent[std::min(shifts.independent.size(), kBestShifts) / 2];
   }

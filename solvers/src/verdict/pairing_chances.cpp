@@ -35,21 +35,24 @@ struct ShiftHits {
   double trials = 0.0;
 };
 
-ShiftHits single_shift_hits(const CorrespondenceView& view, const WorkingPose& pose, double bound, std::uint32_t shifts,
-                            const MatchedPoints& matched) {
+// Rows shifted one by one. `bounds` descend from the first on; the result has an element for each.
+std::vector<ShiftHits> single_shift_hits(const CorrespondenceView& view, const WorkingPose& pose,
+                                         std::span<const double> bounds, std::size_t shifts,
+                                         const MatchedPoints& matched) {
   const std::size_t size = view.size();
-  const double limit = bound * view.scale();
-  ShiftHits result;
+  std::vector<ShiftHits> result(bounds.size());
+  std::vector<Point> sources(size);
+  for (std::size_t i = 0; i < size; ++i) sources[i] = moved(pose, source_point(view, i));
+  const double widest = bounds.front() * view.scale();
   const std::size_t step = std::max<std::size_t>(1, (size - 1) / shifts);
   for (std::size_t shift = 1; shift < size; shift += step) {
     for (std::size_t i = 0; i < size; ++i) {
-      const std::size_t j = (i + shift) % size;
-      if (distance(moved(pose, source_point(view, i)), target_point(view, j)) < limit &&
-          !matched.contains(view, i, j)) {
-        ++result.hits;
-      }
+      const std::size_t j = i + shift < size ? i + shift : i + shift - size;
+      const double apart = distance(sources[i], target_point(view, j));
+      if (!(apart < widest) || matched.contains(view, i, j)) continue;
+      for (std::size_t b = 0; b < bounds.size(); ++b) result[b].hits += apart < bounds[b] * view.scale() ? 1.0 : 0.0;
     }
-    result.trials += static_cast<double>(size);
+    for (ShiftHits& hits : result) hits.trials += static_cast<double>(size);
   }
   return result;
 }
@@ -70,14 +73,8 @@ ShiftHits shift_hits(const CorrespondenceView& view, const WorkingPose& pose, do
   return result;
 }
 
-}  // namespace
-
-double pose_chance(const CorrespondenceView& view, const WorkingPose& pose, double bound, std::uint32_t shifts,
-                   RareHits rare, const MatchedPoints& matched) {
-  if (view.size() <= kSmall || !matched.empty()) {
-    const ShiftHits within = single_shift_hits(view, pose, bound, shifts, matched);
-    return chance(within.hits, within.trials);
-  }
+double block_shift_chance(const CorrespondenceView& view, const WorkingPose& pose, double bound, std::uint32_t shifts,
+                          RareHits rare) {
   const ShiftHits within = shift_hits(view, pose, bound, shifts);
   if (rare == RareHits::laplace || within.hits >= kFew) return chance(within.hits, within.trials);
   // Hits within twice the bound, and so on, until there are enough; none come nearer than those of the last step alone.
@@ -95,6 +92,23 @@ double pose_chance(const CorrespondenceView& view, const WorkingPose& pose, doub
     former = wider.hits;
   }
   return chance(within.hits, within.trials);
+}
+
+}  // namespace
+
+std::vector<double> pose_chances(const CorrespondenceView& view, const WorkingPose& pose,
+                                 std::span<const double> bounds, std::uint32_t shifts, RareHits rare,
+                                 const MatchedPoints& matched) {
+  std::vector<double> result;
+  if (view.size() <= kSmall || !matched.empty()) {
+    const bool all = view.size() <= kSmall && rare == RareHits::extrapolated;
+    for (const auto& [hits, trials] : single_shift_hits(view, pose, bounds, all ? view.size() : shifts, matched)) {
+      result.push_back(chance(hits, trials));
+    }
+    return result;
+  }
+  for (const double bound : bounds) result.push_back(block_shift_chance(view, pose, bound, shifts, rare));
+  return result;
 }
 
 LengthChance::LengthChance(const CorrespondenceView& view, std::span<const std::uint32_t> explained,

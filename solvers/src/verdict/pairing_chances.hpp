@@ -18,14 +18,16 @@ inline double chance(double hits, double trials) { return (hits + 1.0) / (trials
 /// How a chance is told where pairings give hardly any hits.
 enum class RareHits : std::uint8_t {
   laplace,       ///< as if there had been one more: never too little
-  extrapolated,  ///< from how their number grows with the bound further out; among a few correspondences, all pairs of
-                 ///< which are looked at, as above
+  extrapolated,  ///< from how their number grows with the bound further out; among a few correspondences as above, from
+                 ///< all pairs of them
 };
 
-/// Chance that the pose takes a source within `bound` (caller's unit) of the target of any other correspondence, from
-/// `shifts` pairings of all of them, or fewer where there are not as many. `matched` at the pose are no chance.
-double pose_chance(const CorrespondenceView& view, const WorkingPose& pose, double bound, std::uint32_t shifts,
-                   RareHits rare, const MatchedPoints& matched);
+/// Chances that the pose takes a source within each of `bounds` (caller's unit, descending) of the target of any other
+/// correspondence, from `shifts` pairings of all of them, or fewer where there are not as many. `matched` at the pose
+/// are no chance.
+std::vector<double> pose_chances(const CorrespondenceView& view, const WorkingPose& pose,
+                                 std::span<const double> bounds, std::uint32_t shifts, RareHits rare,
+                                 const MatchedPoints& matched);
 
 /// Chance that two correspondences agree in length, from as many `pairs` drawn.
 class LengthChance {
