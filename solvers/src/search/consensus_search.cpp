@@ -120,7 +120,8 @@ void ConsensusSearch::draw_rounds(bool careful) {
 }
 
 double ConsensusSearch::seeds_for_all() const {
-  if (tried_all_) return std::numeric_limits<double>::infinity();
+  const bool may_look = correspondences_.size() <= options_.max_seeds && !tried_all_;
+  if (!may_look) return std::numeric_limits<double>::infinity();
   return seeds_for_all_sets(correspondences_.size(), sets_.share(), options_.matrix_budget_bytes);
 }
 

@@ -105,8 +105,10 @@ std::array<float, 6> pair_of(const CorrespondenceView& view, std::size_t source_
 
 }  // namespace
 
-MatchedPoints::MatchedPoints(const CorrespondenceView& view, const WorkingPose& pose, double bound) {
-  if (!many_to_many(view)) return;
+MatchedPoints::MatchedPoints(const CorrespondenceView& view, const WorkingPose& pose, double bound) : bound_(bound) {
+  const RowsAPoint rows = rows_a_point(view);
+  if (std::min(rows.of_source, rows.of_target) < kManyRows) return;
+  multiplicity_ = rows.of_source * rows.of_target;
   for (const std::uint32_t row : pose_inliers(view, pose, bound)) pairs_.push_back(pair_of(view, row, row));
   std::ranges::sort(pairs_);
 }

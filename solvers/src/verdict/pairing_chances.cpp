@@ -1,6 +1,7 @@
 #include "verdict/pairing_chances.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <numbers>
@@ -18,7 +19,7 @@ namespace {
 
 constexpr double kFew = 8.0;       // hits that are taken as they are
 constexpr double kTelling = 64.0;  // hits that tell a chance and how it grows
-constexpr int kDoublings = 5;
+constexpr std::size_t kDoublings = 5;
 constexpr std::size_t kSmall = 8 * kBlock;  // up to here correspondences are shifted row by row
 
 // The values were drawn from `distinct` ones, few of which maybe many times.
@@ -80,7 +81,7 @@ double block_shift_chance(const CorrespondenceView& view, const WorkingPose& pos
   // Hits within twice the bound, and so on, until there are enough; none come nearer than those of the last step alone.
   double factor = 1.0;
   double former = within.hits;
-  for (int doubling = 0; doubling < kDoublings; ++doubling) {
+  for (std::size_t doubling = 0; doubling < kDoublings; ++doubling) {
     factor *= 2.0;
     const ShiftHits wider = shift_hits(view, pose, factor * bound, shifts);
     if (wider.hits >= kTelling || doubling + 1 == kDoublings) {
@@ -94,6 +95,34 @@ double block_shift_chance(const CorrespondenceView& view, const WorkingPose& pos
   return chance(within.hits, within.trials);
 }
 
+// Where all points are matched with all, whatever is within the bound is a row: it is matched, and nothing within the
+// bound tells of chance. What is further out does: hits beyond those matched within twice the bound, and so on, until
+// there are enough of different points. Their number grows as in one to three dimensions. Raises the chances to what
+// that makes within each bound.
+void raise_to_surroundings(const CorrespondenceView& view, const WorkingPose& pose, std::span<const double> bounds,
+                           std::size_t shifts, const MatchedPoints& matched, std::vector<double>& chances) {
+  std::array<double, kDoublings> factors{};  // descending
+  std::array<double, kDoublings> wider{};
+  for (std::size_t k = 0; k < kDoublings; ++k) {
+    factors[k] = static_cast<double>(std::size_t{2} << (kDoublings - 1 - k));
+    wider[k] = factors[k] * matched.bound();
+  }
+  const std::vector<ShiftHits> found = single_shift_hits(view, pose, wider, shifts, matched);
+  const auto hits_within = [&](std::size_t k) {
+    return k < found.size() ? found[k].hits / matched.multiplicity() : 0.0;
+  };
+  std::size_t k = kDoublings - 1;
+  while (k > 0 && hits_within(k) < kFew) --k;
+  const double growth = (hits_within(k) + 1.0) / (hits_within(k + 1) + 1.0);
+  const double dimension = std::clamp(elementary::log(growth) / std::numbers::ln2, 1.0, 3.0);
+  const double share = chance(hits_within(k), found[k].trials / matched.multiplicity());
+  const double grown = elementary::exp(dimension * elementary::log(factors[k])) - 1.0;
+  for (std::size_t b = 0; b < bounds.size(); ++b) {
+    const double within = elementary::exp(dimension * elementary::log(bounds[b] / matched.bound()));
+    chances[b] = std::max(chances[b], std::min(1.0, share * within / grown));
+  }
+}
+
 }  // namespace
 
 std::vector<double> pose_chances(const CorrespondenceView& view, const WorkingPose& pose,
@@ -101,10 +130,11 @@ std::vector<double> pose_chances(const CorrespondenceView& view, const WorkingPo
                                  const MatchedPoints& matched) {
   std::vector<double> result;
   if (view.size() <= kSmall || !matched.empty()) {
-    const bool all = view.size() <= kSmall && rare == RareHits::extrapolated;
-    for (const auto& [hits, trials] : single_shift_hits(view, pose, bounds, all ? view.size() : shifts, matched)) {
+    const std::size_t used = view.size() <= kSmall && rare == RareHits::extrapolated ? view.size() : shifts;
+    for (const auto& [hits, trials] : single_shift_hits(view, pose, bounds, used, matched)) {
       result.push_back(chance(hits, trials));
     }
+    if (!matched.empty()) raise_to_surroundings(view, pose, bounds, used, matched, result);
     return result;
   }
   for (const double bound : bounds) result.push_back(block_shift_chance(view, pose, bound, shifts, rare));
