@@ -36,53 +36,60 @@ double median(std::vector<double>& values) {
 template <typename Points>
 bool may_stand_out(const Points& points, double extent, double times) {
   if (points.size < 4) return false;
-  // Rows spread by the golden ratio, which meets no period of the input.
-  const auto row = [&](std::uint64_t k) {
-    return static_cast<std::size_t>(((k * 0x9E3779B97F4A7C15U) >> 32U) * points.size >> 32U);
+  // The two of a pair go through the rows by the powers of 1 / g, g^3 = g + 1, which meet no period of the input and
+  // spread pairs evenly over all that there are. Were they always as far from one another, rows of one kind that stand
+  // together would never be paired.
+  const auto row = [&](std::uint64_t fraction) {
+    return static_cast<std::size_t>((fraction >> 32U) * points.size >> 32U);
   };
   std::array<double, kPairs> distances{};
   for (std::uint64_t pair = 0; pair < kPairs; ++pair) {
-    const std::size_t i = row(2 * pair);
-    const std::size_t j = row(2 * pair + 1);
+    const std::size_t i = row((pair + 1) * 0xC13FA9A902A6328FU);
+    const std::size_t j = row((pair + 1) * 0x91E10DA5C79E7B1DU);
     distances[pair] = distance(point(points, i), point(points, i == j ? (j + 1) % points.size : j));
   }
   std::nth_element(distances.begin(), distances.begin() + kClosePairs, distances.end());
   return !(extent <= times * distances[kClosePairs]);
 }
 
-// The points, but up to three places that half of the rows have together once each: three places prove no pose, so that
-// they are a "no value" rather than where most points are. All others count as often as they are there, as the targets
-// of a board do that many frames show.
+// Whether a point that several rows have looks like a value written for none: into all three coordinates. A target of a
+// board is there by chance, or at the origin, and the other targets remain.
+bool is_no_value(const Point& p) { return p[0] == p[1] && p[1] == p[2]; }
+
+// The points, but each "no value" once, however many of these there are, and once each as well up to three other places
+// that half of what is left have together: three places prove no pose, so that they are not where most points are. All
+// others count as often as they are there, as the targets of a board do that many frames show.
 template <typename Points>
 std::vector<Point> counted_points(const Points& points) {
   struct Place {
-    std::ptrdiff_t first;
-    std::ptrdiff_t copies;
+    Point point;
+    std::size_t times;
   };
   std::vector<Point> sorted(points.size);
   for (std::size_t i = 0; i < points.size; ++i) sorted[i] = point(points, i);
   std::sort(sorted.begin(), sorted.end());
   std::vector<Place> places;
+  std::size_t rows = 0;
   for (auto first = sorted.begin(); first != sorted.end();) {
     const auto end = std::find_if(first, sorted.end(), [&](const Point& other) { return other != *first; });
-    places.push_back({first - sorted.begin(), end - first});
+    places.push_back({*first, is_no_value(*first) ? 1 : static_cast<std::size_t>(end - first)});
+    rows += places.back().times;
     first = end;
   }
-  const auto more = [](const Place& a, const Place& b) { return a.copies > b.copies; };
   const std::size_t few = std::min(kProvesNoPose, places.size());
-  std::partial_sort(places.begin(), places.begin() + static_cast<std::ptrdiff_t>(few), places.end(), more);
-  std::size_t rows = 0;
+  std::partial_sort(places.begin(), places.begin() + static_cast<std::ptrdiff_t>(few), places.end(),
+                    [](const Place& a, const Place& b) { return a.times > b.times; });
+  std::size_t together = 0;
   for (std::size_t k = 0; k < few; ++k) {
-    rows += static_cast<std::size_t>(places[k].copies);
-    if (2 * rows < sorted.size()) continue;
-    std::vector<Point> counted;
-    for (std::size_t place = 0; place < places.size(); ++place) {
-      const auto first = sorted.begin() + places[place].first;
-      counted.insert(counted.end(), first, first + (place <= k ? 1 : places[place].copies));
-    }
-    return counted;
+    together += places[k].times;
+    if (2 * together < rows) continue;
+    for (std::size_t place = 0; place <= k; ++place) places[place].times = 1;
+    break;
   }
-  return sorted;
+  std::vector<Point> counted;
+  counted.reserve(rows);
+  for (const Place& place : places) counted.insert(counted.end(), place.times, place.point);
+  return counted;
 }
 
 template <typename Points>

@@ -230,5 +230,45 @@ TEST(Correspondences, CountOneNoValueOnceThoughMostRowsHaveIt) {
   EXPECT_EQ(board.far_rows().front(), 99U);
 }
 
+TEST(Correspondences, CountSeveralNoValuesOnceEach) {
+  constexpr std::size_t kRows = 20;
+  constexpr std::array kValues{-9999.0, 65535.0, -32768.0, 1e38, 9999.0, 1e10};
+  for (std::size_t values = 2; values <= kValues.size(); ++values) {
+    for (const std::size_t each : {12U, 20U, 60U}) {
+      const std::size_t without = values * each;
+      // Each value stands in the sources, in the targets or in both.
+      std::vector<double> p = any_points(kRows + without, 3.0, 1.0, 8);
+      std::vector<double> q = any_points(kRows + without, 3.0, -2.0, 9);
+      for (std::size_t k = 0; k < without; ++k) {
+        const std::size_t value = k / each;
+        const auto at = static_cast<std::ptrdiff_t>(3 * (kRows + k));
+        if (value % 3 != 1) std::fill_n(p.begin() + at, 3, kValues[value]);
+        if (value % 3 != 0) std::fill_n(q.begin() + at, 3, kValues[value]);
+      }
+      const Correspondences all(PointSpan<double>::interleaved(p.data(), kRows + without),
+                                PointSpan<double>::interleaved(q.data(), kRows + without));
+      ASSERT_EQ(all.far_rows().size(), without) << values << " values in " << each << " rows each";
+      EXPECT_EQ(all.far_rows().front(), kRows);
+      EXPECT_LE(1.0 / all.scale(), 8.0);
+    }
+  }
+}
+
+TEST(Correspondences, TheTargetsOfABoardAreTheBulkBesideFewerFarRows) {
+  constexpr std::size_t kFrames = 50;
+  for (const std::size_t targets : {5U, 35U}) {
+    const std::vector<double> board = any_points(targets, 3.0, 1.0, 10);
+    std::vector<double> p;
+    for (std::size_t frame = 0; frame < kFrames; ++frame) p.insert(p.end(), board.begin(), board.end());
+    const std::size_t far = targets * kFrames / 2;
+    for (const double value : any_points(far, 10.0, 1e6, 11)) p.push_back(value);
+    const std::size_t rows = targets * kFrames + far;
+    const Correspondences all(PointSpan<double>::interleaved(p.data(), rows),
+                              PointSpan<double>::interleaved(p.data(), rows));
+    ASSERT_EQ(all.far_rows().size(), far) << targets;
+    EXPECT_EQ(all.far_rows().front(), targets * kFrames);
+  }
+}
+
 }  // namespace
 }  // namespace consimd::test

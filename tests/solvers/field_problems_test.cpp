@@ -163,6 +163,27 @@ Problem forty_rows_and_more_without_either_value(std::uint64_t trial) {
   return problem;
 }
 
+/// Two to five values in all three coordinates, each in up to twice as many rows as there are others, on sides of its
+/// own.
+Problem forty_rows_and_many_no_values(std::uint64_t trial) {
+  constexpr std::array kValues{-9999.0, 65535.0, -32768.0, 1e38, 9999.0, 1e10};
+  std::mt19937_64 random(trial);
+  std::uniform_real_distribution<double> coordinate(-50.0, 50.0);
+  Problem problem = forty_rows(trial);
+  for (std::uint64_t k = 0; k < 2 + trial % 4; ++k) {
+    const double value = kValues[(trial + k) % kValues.size()];
+    const FarSide side = kSides[random() % 3];
+    for (std::uint64_t row = 24 + random() % 56; row > 0; --row) {
+      for (std::size_t axis = 0; axis < 3; ++axis) {
+        problem.source.push_back(side == FarSide::target ? coordinate(random) : value);
+        problem.target.push_back(side == FarSide::source ? coordinate(random) : value);
+      }
+      problem.is_inlier.push_back(0);
+    }
+  }
+  return problem;
+}
+
 Problem forty_rows_and_more_without_depth(std::uint64_t trial) {
   return synth::with_rows_without_depth(forty_rows(trial), 40 + trial % 120, 1, trial);
 }
@@ -233,6 +254,7 @@ INSTANTIATE_TEST_SUITE_P(
                       Nuisance{"most_rows_without_value", forty_rows, forty_rows_and_more_without_value, 0.05, 0.05},
                       Nuisance{"most_rows_without_either_value", forty_rows, forty_rows_and_more_without_either_value,
                                0.05, 0.05},
+                      Nuisance{"many_no_values", forty_rows, forty_rows_and_many_no_values, 0.05, 0.05},
                       Nuisance{"copies", targets_once, targets_copied, 0.05, 0.05},
                       Nuisance{"targets_in_frames", targets_once, targets_measured_again, 0.05, 0.05},
                       Nuisance{"all_to_all", known_landmarks, landmarks, 0.3, 0.3},
