@@ -3,7 +3,11 @@
 #include <consimd/synth/hard_problems.hpp>
 #include <consimd/synth/noise_study.hpp>
 
+#include <algorithm>
+#include <numbers>
+#include <random>
 #include <tuple>
+#include <vector>
 
 #include "problems.hpp"
 
@@ -133,6 +137,53 @@ TEST(AmbiguityOfManyRows, TwoMotionsAreFoundWhereSetsAreLarge) {
                   displacement(problem, result.T_target_source, problem.T_target_source) < 3.0);
     }
     EXPECT_TRUE(share < 0.8 ? ambiguous == 0 : ambiguous + 3 >= kTrials) << ambiguous;
+  }
+}
+
+/// A part that looks alike when it is turned by one of so many equal angles, each point matched with one of its images.
+struct TurnedPart {
+  Problem problem;
+  std::vector<std::size_t> supporters;  ///< of each turn
+};
+
+TurnedPart turned_part(std::uint64_t trial) {
+  std::mt19937_64 random(trial);
+  std::uniform_real_distribution<double> coordinate(2.0, 10.0);
+  std::normal_distribution<double> noise(0.0, 0.02);
+  const std::size_t turns = 2 + trial % 5;
+  const std::size_t rows = trial % 2 == 0 ? 60 : 150;
+  TurnedPart part;
+  part.supporters.resize(turns);
+  for (std::size_t row = 0; row < rows; ++row) {
+    const std::size_t turn = random() % turns;
+    ++part.supporters[turn];
+    const double angle = 2.0 * std::numbers::pi * static_cast<double>(turn) / static_cast<double>(turns);
+    const Eigen::Vector3d point(coordinate(random), coordinate(random), coordinate(random));
+    const Eigen::Vector3d image = Eigen::AngleAxisd(angle, Eigen::Vector3d::UnitZ()) * point;
+    for (Eigen::Index axis = 0; axis < 3; ++axis) {
+      part.problem.source.push_back(point[axis]);
+      part.problem.target.push_back(image[axis] + noise(random));
+    }
+    part.problem.is_inlier.push_back(turn == 0 ? 1 : 0);
+  }
+  std::ranges::sort(part.supporters, std::ranges::greater{});
+  return part;
+}
+
+TEST(AmbiguityOfTurnedParts, EverySolverMeetsTheRival) {
+  for (const char* solver : {"tcf", "ransac", "sc2_pcr", "turboreg", "pcr99", "teaser", "mac"}) {
+    std::uint64_t mistaken = 0;
+    for (std::uint64_t trial = 0; trial < kTrials; ++trial) {
+      const TurnedPart part = turned_part(trial);
+      const double share = static_cast<double>(part.supporters[1]) / static_cast<double>(part.supporters[0]);
+      if (share > 0.75 && share < 0.85) continue;  // a supporter more or less decides
+      const Registration result =
+          register_by_name(solver, part.problem.correspondences(), {.noise_bound = 0.1, .seed = trial});
+      ASSERT_TRUE(result.has_pose()) << solver << ", trial " << trial;
+      mistaken += result.status == (share > 0.8 ? Status::ambiguous : Status::success) ? 0 : 1;
+    }
+    // Searches by chance meet a rival with 99 %.
+    EXPECT_LE(mistaken, 1U) << solver;
   }
 }
 

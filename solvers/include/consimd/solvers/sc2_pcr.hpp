@@ -27,7 +27,8 @@ struct Sc2PcrOptions {
   /// Only the most confident of the correspondences whose sources are within this many noise bounds is a seed; finite
   /// and > 0.
   double seed_radius = 1.0;
-  /// Seeds as a share of the correspondences, in (0, 1]. If these lead to no significant pose, the others follow.
+  /// Seeds as a share of the correspondences, in (0, 1]. A few more are of those that the best pose does not explain.
+  /// If these lead to no significant pose, the others follow.
   double seed_share = 0.2;
   /// Rounds of the power iteration for the confidence of correspondences, and for the weights within a set, > 0.
   std::uint32_t power_iterations = 10;
