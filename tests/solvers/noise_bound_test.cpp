@@ -8,6 +8,7 @@
 #include <oneapi/tbb/global_control.h>
 #include <oneapi/tbb/task_arena.h>
 
+#include <algorithm>
 #include <cmath>
 #include <functional>
 #include <numbers>
@@ -344,6 +345,68 @@ TEST(NoiseBound, GivesHardlyASuccessOnSymmetricParts) {
   }
   // Eight or more of forty, at one in twenty, once in a thousand runs; at one in two always.
   EXPECT_LT(successes, 8U);
+}
+
+// Rows of a problem, each so many times with errors of its own.
+Problem recurring(const Problem& once, const std::vector<std::size_t>& rows, std::uint64_t trial) {
+  std::mt19937_64 random(trial);
+  std::normal_distribution<double> noise(0.0, 0.01);
+  Problem problem = once;
+  problem.source.clear();
+  problem.target.clear();
+  problem.is_inlier.clear();
+  for (const std::size_t row : rows) {
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      problem.source.push_back(once.source[3 * row + axis] + noise(random));
+      problem.target.push_back(once.target[3 * row + axis] + noise(random));
+    }
+    problem.is_inlier.push_back(once.is_inlier[row]);
+  }
+  return problem;
+}
+
+// Whether the registration without a bound is right.
+bool is_right(const Problem& problem) {
+  const Registration result = without_bound(problem);
+  return result.status == Status::success &&
+         displacement(problem, result.T_target_source, problem.T_target_source) < 1.0;
+}
+
+Problem few_rows(std::size_t rows, double outlier_ratio, std::uint64_t trial) {
+  return synth::hard_problem(
+      {.correspondences = rows, .outlier_ratio = outlier_ratio, .sigma = 0.03, .half_extent = 10.0, .trial = trial});
+}
+
+// Frames of a camera at rest: what one of them tells all of them do.
+TEST(NoiseBound, IsFoundWhereAllPlacesRecur) {
+  for (const std::size_t frames : {1U, 3U, 6U, 20U}) {
+    std::uint64_t right = 0;
+    constexpr std::uint64_t kTrials = trials(30);
+    for (std::uint64_t trial = 0; trial < kTrials; ++trial) {
+      const Problem once = few_rows(12, 7.0 / 12.0, trial);
+      std::vector<std::size_t> rows;
+      for (std::size_t k = 0; k < 12 * frames; ++k) rows.push_back(k % 12);
+      right += is_right(recurring(once, rows, trial)) ? 1U : 0U;
+    }
+    EXPECT_GE(right + kTrials / 6, kTrials) << frames << " frames";
+  }
+}
+
+// Two wrong pairs of places do not outweigh eighteen right rows, however often they recur.
+TEST(NoiseBound, IsFoundWhereWrongPlacesRecur) {
+  for (const std::size_t times : {1U, 5U, 20U, 60U}) {
+    std::uint64_t right = 0;
+    constexpr std::uint64_t kTrials = trials(30);
+    for (std::uint64_t trial = 0; trial < kTrials; ++trial) {
+      const Problem once = few_rows(20, 0.1, trial);
+      std::vector<std::size_t> rows;
+      for (std::size_t row = 0; row < 20; ++row) {
+        rows.insert(rows.end(), once.is_inlier[row] != 0 ? 1 : times, row);
+      }
+      right += is_right(recurring(once, rows, trial)) ? 1U : 0U;
+    }
+    EXPECT_GE(right + kTrials / 15, kTrials) << times << " times";
+  }
 }
 
 }  // namespace

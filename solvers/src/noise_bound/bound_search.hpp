@@ -31,6 +31,22 @@ BoundSearch search_noise_bound(const Correspondences& correspondences, std::uint
 /// poses.
 Registration register_tried_poses(const Correspondences& correspondences, const BoundSearch& found, std::uint64_t seed);
 
+/// Rows that tell of different places, ascending, the bound at which they do, and what is left of chance among them.
+struct IndependentRows {
+  std::vector<std::uint32_t> rows;
+  NoiseBoundEstimate estimate;  ///< log10_false_poses: 0 where there are no rows
+};
+
+/// For where nothing was found among all rows: places that recur, in each frame of a camera at rest, outweigh those
+/// that do not, and their rows, which agree in length with each other, make every pose look like chance. The rows that
+/// stand for all of them are searched at each bound, and held against chance among themselves; that there were all rows
+/// before makes twice the bounds.
+IndependentRows search_independent_bound(const Correspondences& correspondences, std::uint64_t seed,
+                                         const StopCondition& stop = {});
+
+/// A registration of independent rows, with the inliers among all rows; refused where all rows give its pose by chance.
+void bring_to_all_rows(const Correspondences& correspondences, Registration& result);
+
 /// Whether a pose that was found with an estimated bound is what chance gives once the bound is that of its residuals:
 /// structure makes some poses significant at bounds that are not theirs. Caller's frame and unit.
 bool is_chance_at_its_noise(const Correspondences& correspondences, const RigidTransform& T_target_source,

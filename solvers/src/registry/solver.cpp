@@ -81,6 +81,33 @@ Registration register_by_name(std::string_view solver, const Correspondences& co
 
 namespace {
 
+// What a pose at an estimated bound is asked beside.
+void refuse_by_its_bound(const Correspondences& correspondences, Registration& result) {
+  if (result.has_pose() &&
+      (detail::hides_another_scale(correspondences, result.T_target_source, result.noise_bound) ||
+       detail::is_chance_at_its_noise(correspondences, result.T_target_source, result.noise_bound))) {
+    detail::refuse(result);
+  }
+}
+
+// Rows that stand for all of them, registered where all of them have told nothing.
+void try_independent_rows(const SolverCall& solver, const Correspondences& correspondences,
+                          const SolverOptions& options, StageReport& estimation, Registration& result) {
+  detail::IndependentRows found;
+  {
+    const detail::StageClock clock(estimation.seconds);
+    found = detail::search_independent_bound(correspondences, options.seed, options.stop);
+  }
+  if (found.rows.empty()) return;
+  const Correspondences independent = correspondences.subset(found.rows);
+  const NoiseBoundEstimate& estimate = found.estimate;
+  Registration other = run(solver, independent, estimate.noise_bound, estimate.bounds_tried, options);
+  refuse_by_its_bound(independent, other);
+  detail::bring_to_all_rows(correspondences, other);
+  refuse_by_its_bound(correspondences, other);
+  fall_back_on(std::move(other), result);
+}
+
 Registration register_in_arena(const SolverCall& solver, const Correspondences& correspondences,
                                const SolverOptions& options) {
   if (options.noise_bound) return run(solver, correspondences, *options.noise_bound, 1, options);
@@ -95,10 +122,9 @@ Registration register_in_arena(const SolverCall& solver, const Correspondences& 
   if (result.status == Status::no_consensus && !found.poses.empty()) {
     fall_back_on(detail::register_tried_poses(correspondences, found, options.seed), result);
   }
-  if (result.has_pose() &&
-      (detail::hides_another_scale(correspondences, result.T_target_source, result.noise_bound) ||
-       detail::is_chance_at_its_noise(correspondences, result.T_target_source, result.noise_bound))) {
-    detail::refuse(result);
+  refuse_by_its_bound(correspondences, result);
+  if (result.status == Status::no_consensus && !result.stopped) {
+    try_independent_rows(solver, correspondences, options, estimation, result);
   }
   estimation.output = result.inliers.size();
   estimation.iterations = estimate.bounds_tried;
