@@ -83,6 +83,25 @@ TEST(AnotherScale, OfAFewRowsIsNoSuccessWithoutABoundEither) {
   }
 }
 
+// Five rows that fit but for the scale: each is an inlier with less than certainty, all of them count.
+TEST(AnotherScale, OfFiveExactRowsOfSixIsHardlyEverASuccess) {
+  std::size_t successes = 0;
+  for (const double scale : {0.95, 0.98, 1.02, 1.05}) {
+    for (std::uint64_t trial = 0; trial < trials(30); ++trial) {
+      const Problem problem = synth::hard_problem({.correspondences = 6,
+                                                   .outlier_ratio = 1.0 / 6.0,
+                                                   .sigma = 1e-9,
+                                                   .half_extent = 10.0,
+                                                   .trial = trial,
+                                                   .scale = scale});
+      const Registration result = register_by_name("tcf", problem.correspondences(), {.seed = trial});
+      successes += result.status == Status::success ? 1U : 0U;
+    }
+  }
+  // Nine of 120, which a wrong row supports as well or four rows alone; 89 where five supporters are not asked.
+  EXPECT_LE(successes, 12U);
+}
+
 // The supporters of a right pose differ from scale 1 by more than two deviations once in twenty times, and are looked
 // at then: none may be refused for it.
 TEST(AnotherScale, IsNotFoundAtScaleOne) {

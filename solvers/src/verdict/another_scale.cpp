@@ -26,7 +26,8 @@ constexpr double kMostOfThem = 0.5;
 // Where the bound is told by the residuals: without the scale it would be half as large. Of five supporters at the same
 // scale one in eight hundred is so, by the F distribution of 1 and 8 degrees of freedom.
 constexpr double kHalvesTheBound = 0.75;
-constexpr double kLeastSupporters = 5.0;
+// Five rows each of which may be none are expected to be a little fewer than five supporters.
+constexpr double kLeastSupporters = 4.5;
 // Deviations from which on it is asked how many rows support the pose with a scale of its own: a right pose is by
 // chance once in twenty times. One parameter more brings in a row or two.
 constexpr double kWorthALook = 2.0;
