@@ -102,6 +102,38 @@ TEST(AnotherScale, OfFiveExactRowsOfSixIsHardlyEverASuccess) {
   EXPECT_LE(successes, 12U);
 }
 
+// An axis in another unit: the estimated bound must not swallow it.
+TEST(AnotherScale, OfOneAxisIsHardlyEverASuccessWithoutABound) {
+  std::size_t successes = 0;
+  for (const double factor : {0.3048, 2.0}) {
+    for (std::uint64_t trial = 0; trial < trials(60); ++trial) {
+      Problem problem = synth::hard_problem({.correspondences = 20 + 20 * (trial % 4),
+                                             .outlier_ratio = 0.4,
+                                             .sigma = 1e-9,
+                                             .half_extent = 10.0,
+                                             .trial = trial});
+      for (std::size_t k = 0; k < problem.size(); ++k) problem.source[3 * k + 2] *= factor;
+      const Registration result = register_by_name("tcf", problem.correspondences(), {.seed = trial});
+      successes += result.status == Status::success ? 1U : 0U;
+    }
+  }
+  // Six of 120, since seven supporters do not tell a distortion; 35 where none are asked.
+  EXPECT_LE(successes, 12U);
+}
+
+// By chance errors look like a distortion to eight supporters once in two thousand times, to more even less often.
+TEST(AnotherScale, OfAnAxisIsNotFoundWithoutOne) {
+  std::size_t successes = 0;
+  constexpr std::uint64_t kTrials = trials(300);
+  for (std::uint64_t trial = 0; trial < kTrials; ++trial) {
+    const Problem problem = synth::hard_problem(
+        {.correspondences = 8 + trial % 12, .outlier_ratio = 0.0, .sigma = 0.05, .half_extent = 10.0, .trial = trial});
+    const Registration result = register_by_name("tcf", problem.correspondences(), {.seed = trial});
+    successes += result.status == Status::success ? 1U : 0U;
+  }
+  EXPECT_GE(successes + 2, kTrials);
+}
+
 // The supporters of a right pose differ from scale 1 by more than two deviations once in twenty times, and are looked
 // at then: none may be refused for it.
 TEST(AnotherScale, IsNotFoundAtScaleOne) {

@@ -11,6 +11,7 @@
 #include "noise_bound/bound_search.hpp"
 #include "registry/filtered_registration.hpp"
 #include "verdict/another_scale.hpp"
+#include "verdict/distortion.hpp"
 
 namespace consimd {
 namespace {
@@ -85,6 +86,7 @@ namespace {
 void refuse_by_its_bound(const Correspondences& correspondences, Registration& result) {
   if (result.has_pose() &&
       (detail::hides_another_scale(correspondences, result.T_target_source, result.noise_bound) ||
+       detail::hides_a_distortion(correspondences, result.T_target_source, result.noise_bound) ||
        detail::is_chance_at_its_noise(correspondences, result.T_target_source, result.noise_bound))) {
     detail::refuse(result);
   }
