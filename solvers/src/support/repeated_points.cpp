@@ -108,7 +108,8 @@ std::array<float, 6> pair_of(const CorrespondenceView& view, std::size_t source_
 MatchedPoints::MatchedPoints(const CorrespondenceView& view, const WorkingPose& pose, double bound) : bound_(bound) {
   const RowsAPoint rows = rows_a_point(view);
   if (std::min(rows.of_source, rows.of_target) < kManyRows) return;
-  multiplicity_ = rows.of_source * rows.of_target;
+  const auto size = static_cast<double>(view.size());
+  different_pairs_ = size / rows.of_source * (size / rows.of_target);
   for (const std::uint32_t row : pose_inliers(view, pose, bound)) pairs_.push_back(pair_of(view, row, row));
   std::ranges::sort(pairs_);
 }

@@ -30,14 +30,14 @@ class MatchedPoints {
   [[nodiscard]] bool empty() const noexcept { return pairs_.empty(); }
   /// As given.
   [[nodiscard]] double bound() const noexcept { return bound_; }
-  /// How often pairing the source of each row with the target of each meets the same two points.
-  [[nodiscard]] double multiplicity() const noexcept { return multiplicity_; }
+  /// Pairs of a source and a target, each point once.
+  [[nodiscard]] double different_pairs() const noexcept { return different_pairs_; }
   /// Whether the source of one row and the target of another are such a pair.
   [[nodiscard]] bool contains(const CorrespondenceView& view, std::size_t source_row, std::size_t target_row) const;
 
  private:
   double bound_;
-  double multiplicity_ = 1.0;
+  double different_pairs_ = 0.0;
   std::vector<std::array<float, 6>> pairs_;  // in order
 };
 

@@ -19,7 +19,8 @@ namespace {
 
 constexpr double kFew = 8.0;       // hits that are taken as they are
 constexpr double kTelling = 64.0;  // hits that tell a chance and how it grows
-constexpr std::size_t kDoublings = 5;
+constexpr int kDoublings = 5;
+constexpr std::size_t kSurroundings = 16;   // doublings as well, which reach from any bound to all of a cloud
 constexpr std::size_t kSmall = 8 * kBlock;  // up to here correspondences are shifted row by row
 
 // The values were drawn from `distinct` ones, few of which maybe many times.
@@ -81,7 +82,7 @@ double block_shift_chance(const CorrespondenceView& view, const WorkingPose& pos
   // Hits within twice the bound, and so on, until there are enough; none come nearer than those of the last step alone.
   double factor = 1.0;
   double former = within.hits;
-  for (std::size_t doubling = 0; doubling < kDoublings; ++doubling) {
+  for (int doubling = 0; doubling < kDoublings; ++doubling) {
     factor *= 2.0;
     const ShiftHits wider = shift_hits(view, pose, factor * bound, shifts);
     if (wider.hits >= kTelling || doubling + 1 == kDoublings) {
@@ -96,30 +97,42 @@ double block_shift_chance(const CorrespondenceView& view, const WorkingPose& pos
 }
 
 // Where all points are matched with all, whatever is within the bound is a row: it is matched, and nothing within the
-// bound tells of chance. What is further out does: hits beyond those matched within twice the bound, and so on, until
-// there are enough of different points. Their number grows as in one to three dimensions. Raises the chances to what
-// that makes within each bound.
+// bound tells of chance. What is further out does: pairs within twice the bound, four times, and so on, until there are
+// enough different ones. Their number grows as in one to three dimensions. Raises the chances to what that makes within
+// each bound.
 void raise_to_surroundings(const CorrespondenceView& view, const WorkingPose& pose, std::span<const double> bounds,
                            std::size_t shifts, const MatchedPoints& matched, std::vector<double>& chances) {
-  std::array<double, kDoublings> factors{};  // descending
-  std::array<double, kDoublings> wider{};
-  for (std::size_t k = 0; k < kDoublings; ++k) {
-    factors[k] = static_cast<double>(std::size_t{2} << (kDoublings - 1 - k));
-    wider[k] = factors[k] * matched.bound();
+  const std::size_t size = view.size();
+  const double bound = matched.bound() * view.scale();
+  std::array<double, kSurroundings> beyond{};  // hits from 2^k bounds on, up to twice as far
+  double trials = 0.0;
+  const std::size_t step = std::max<std::size_t>(1, (size - 1) / shifts);
+  for (std::size_t i = 0; i < size; ++i) {
+    const Point moved_source = moved(pose, source_point(view, i));
+    for (std::size_t shift = 1; shift < size; shift += step) {
+      const std::size_t j = i + shift < size ? i + shift : i + shift - size;
+      const double bounds_apart = distance(moved_source, target_point(view, j)) / bound;
+      ++trials;
+      if (!(bounds_apart >= 1.0)) continue;
+      const int doublings = std::ilogb(bounds_apart);
+      if (doublings < static_cast<int>(kSurroundings)) ++beyond[static_cast<std::size_t>(doublings)];
+    }
   }
-  const std::vector<ShiftHits> found = single_shift_hits(view, pose, wider, shifts, matched);
-  const auto hits_within = [&](std::size_t k) {
-    return k < found.size() ? found[k].hits / matched.multiplicity() : 0.0;
-  };
-  std::size_t k = kDoublings - 1;
-  while (k > 0 && hits_within(k) < kFew) --k;
-  const double growth = (hits_within(k) + 1.0) / (hits_within(k + 1) + 1.0);
-  const double dimension = std::clamp(elementary::log(growth) / std::numbers::ln2, 1.0, 3.0);
-  const double share = chance(hits_within(k), found[k].trials / matched.multiplicity());
-  const double grown = elementary::exp(dimension * elementary::log(factors[k])) - 1.0;
+  // Pairs of the same points count once.
+  const double of_each = std::min(1.0, matched.different_pairs() / trials);
+  double hits = 0.0;
+  double former = 0.0;
+  std::size_t k = 0;
+  while (k < kSurroundings && hits < kTelling) {
+    former = hits;
+    hits += of_each * beyond[k++];
+  }
+  const double dimension = std::clamp(elementary::log((hits + 1.0) / (former + 1.0)) / std::numbers::ln2, 1.0, 3.0);
+  const double doublings = static_cast<double>(k) * std::numbers::ln2;
+  const double share = chance(hits, of_each * trials) / (elementary::exp(dimension * doublings) - 1.0);
   for (std::size_t b = 0; b < bounds.size(); ++b) {
     const double within = elementary::exp(dimension * elementary::log(bounds[b] / matched.bound()));
-    chances[b] = std::max(chances[b], std::min(1.0, share * within / grown));
+    chances[b] = std::max(chances[b], std::min(1.0, share * within));
   }
 }
 
