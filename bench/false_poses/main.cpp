@@ -75,6 +75,7 @@ Request request_of(const std::vector<std::string>& arguments) {
     request.rows.clear();
     std::istringstream list(arguments[5]);
     for (std::string rows; std::getline(list, rows, ',');) request.rows.push_back(whole("ROWS", rows));
+    if (request.rows.empty()) throw std::invalid_argument("ROWS is empty, expected whole numbers above 0");
   }
   return request;
 }

@@ -58,7 +58,8 @@ bool is_no_value(const Point& p) { return p[0] == p[1] && p[1] == p[2]; }
 
 // The points, but each "no value" once, however many of these there are, and once each as well up to three other places
 // that half of what is left have together: three places prove no pose, so that they are not where most points are. All
-// others count as often as they are there, as the targets of a board do that many frames show.
+// others count as often as they are there, as the targets of a board do that many frames show: of a small board one
+// more place is seen about as often.
 template <typename Points>
 std::vector<Point> counted_points(const Points& points) {
   struct Place {
@@ -76,14 +77,16 @@ std::vector<Point> counted_points(const Points& points) {
     rows += places.back().times;
     first = end;
   }
-  const std::size_t few = std::min(kProvesNoPose, places.size());
-  std::partial_sort(places.begin(), places.begin() + static_cast<std::ptrdiff_t>(few), places.end(),
-                    [](const Place& a, const Place& b) { return a.times > b.times; });
+  const std::size_t few = std::min(kProvesNoPose + 1, places.size());
+  std::partial_sort(
+      places.begin(), places.begin() + static_cast<std::ptrdiff_t>(few), places.end(),
+      [](const Place& a, const Place& b) { return a.times != b.times ? a.times > b.times : a.point < b.point; });
   std::size_t together = 0;
-  for (std::size_t k = 0; k < few; ++k) {
+  for (std::size_t k = 0; k < std::min(kProvesNoPose, few); ++k) {
     together += places[k].times;
     if (2 * together < rows) continue;
-    for (std::size_t place = 0; place <= k; ++place) places[place].times = 1;
+    const bool is_board = k + 1 < few && places[k + 1].times > 1 && 2 * places[k + 1].times > places[k].times;
+    for (std::size_t place = 0; place <= k && !is_board; ++place) places[place].times = 1;
     break;
   }
   std::vector<Point> counted;

@@ -256,7 +256,7 @@ TEST(Correspondences, CountSeveralNoValuesOnceEach) {
 
 TEST(Correspondences, TheTargetsOfABoardAreTheBulkBesideFewerFarRows) {
   constexpr std::size_t kFrames = 50;
-  for (const std::size_t targets : {5U, 35U}) {
+  for (const std::size_t targets : {4U, 5U, 35U}) {
     const std::vector<double> board = any_points(targets, 3.0, 1.0, 10);
     std::vector<double> p;
     for (std::size_t frame = 0; frame < kFrames; ++frame) p.insert(p.end(), board.begin(), board.end());

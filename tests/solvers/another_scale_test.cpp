@@ -7,6 +7,7 @@
 
 #include <algorithm>
 #include <optional>
+#include <random>
 #include <regex>
 #include <string>
 
@@ -99,7 +100,7 @@ TEST(AnotherScale, OfFiveExactRowsOfSixIsHardlyEverASuccess) {
     }
   }
   // Nine of 120, which a wrong row supports as well or four rows alone; 89 where five supporters are not asked.
-  EXPECT_LE(successes, 12U);
+  EXPECT_LE(successes, kAllTrials ? 12U : 2U);
 }
 
 // An axis in another unit: the estimated bound must not swallow it.
@@ -118,7 +119,27 @@ TEST(AnotherScale, OfOneAxisIsHardlyEverASuccessWithoutABound) {
     }
   }
   // Six of 120, since seven supporters do not tell a distortion; 35 where none are asked.
-  EXPECT_LE(successes, 12U);
+  EXPECT_LE(successes, kAllTrials ? 12U : 2U);
+}
+
+// A board whose points were measured with errors in depth alone is no flattened one.
+TEST(AnotherScale, OfAnAxisIsNotWhatNoiseInDepthOfABoardLooksLike) {
+  std::mt19937_64 random(1);
+  std::normal_distribution<double> depth(0.0, 0.05);
+  std::size_t lost = 0;
+  for (std::uint64_t trial = 0; trial < trials(60); ++trial) {
+    Problem problem = synth::hard_problem({.correspondences = 40,
+                                           .outlier_ratio = 0.2,
+                                           .sigma = 0.005,
+                                           .half_extent = 10.0,
+                                           .trial = trial,
+                                           .scene = synth::Scene::planar,
+                                           .thickness = 0.0});
+    for (std::size_t k = 0; k < problem.size(); ++k) problem.source[3 * k + 2] += depth(random);
+    const Registration result = register_by_name("tcf", problem.correspondences(), {.seed = trial});
+    lost += result.status == Status::success ? 0U : 1U;
+  }
+  EXPECT_LE(lost, kAllTrials ? 3U : 1U);
 }
 
 // By chance errors look like a distortion to eight supporters once in two thousand times, to more even less often.

@@ -312,7 +312,7 @@ TEST_P(Nuisances, CostNoPoseWithoutABound) {
 
 /// Each landmark of one scene matched with each of another one. Whatever a pose brings near one another is a row.
 Problem unrelated_landmarks(std::uint64_t trial) {
-  const std::size_t landmarks = 12 + 4 * (trial % 4);
+  const std::size_t landmarks = 4 + 4 * (trial % 6);
   const Problem scenes = synth::hard_problem(
       {.correspondences = landmarks, .outlier_ratio = 1.0, .sigma = 0.01, .half_extent = 10.0, .trial = trial});
   Problem problem;

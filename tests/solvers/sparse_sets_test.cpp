@@ -47,7 +47,8 @@ TEST(SparseSets, HoldTheLargestCliquesAndNothingElse) {
         for (const std::uint32_t least : {3U, 5U, 7U}) {
           const detail::SparseSets found = detail::sparse_sets(correspondences, bound, least, {});
           ASSERT_TRUE(found.all);
-          const Sets all = cliques(correspondences, bound, least);
+          ASSERT_GE(found.least, least);
+          const Sets all = cliques(correspondences, bound, found.least);
           std::size_t largest = 0;
           for (const auto& clique : all) largest = std::max(largest, clique.size());
           ASSERT_EQ(found.sets.empty() ? 0 : found.sets.front().size(), largest) << rows << " rows";
@@ -55,13 +56,13 @@ TEST(SparseSets, HoldTheLargestCliquesAndNothingElse) {
           matrix.compute(correspondences.view(), bound);
           const GraphView graph = matrix;
           for (const auto& set : found.sets) {
-            ASSERT_GE(set.size(), least);
+            ASSERT_GE(set.size(), found.least);
             ASSERT_TRUE(std::ranges::is_sorted(set));
             for (const std::uint32_t i : set) {
               for (const std::uint32_t j : set) ASSERT_TRUE(graph.adjacent(i, j));
             }
           }
-          // A maximal clique is one of the sets, or shares its first row, and others, with one as large.
+          // A maximal clique is one of the sets, or shares a row with one that is as large.
           for (const auto& clique : all) {
             ASSERT_TRUE(std::ranges::any_of(found.sets, [&](const auto& set) {
               return set.size() >= clique.size() && std::ranges::any_of(clique, [&](std::uint32_t row) {

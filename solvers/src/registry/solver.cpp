@@ -43,7 +43,7 @@ namespace {
 // Takes the place of a registration that found nothing, after its stages.
 void fall_back_on(Registration other, Registration& result) {
   if (!other.has_pose()) return;
-  other.stopped = result.stopped;
+  other.stopped = other.stopped || result.stopped;
   if (other.stopped && other.status == Status::success) other.status = Status::budget_exhausted;
   other.seconds += result.seconds;
   other.stages.insert(other.stages.begin(), result.stages.begin(), result.stages.end());
@@ -100,13 +100,16 @@ void try_independent_rows(const SolverCall& solver, const Correspondences& corre
     const detail::StageClock clock(estimation.seconds);
     found = detail::search_independent_bound(correspondences, options.seed, options.stop);
   }
+  result.stopped = options.stop.met();
   if (found.rows.empty()) return;
   const Correspondences independent = correspondences.subset(found.rows);
   const NoiseBoundEstimate& estimate = found.estimate;
   Registration other = run(solver, independent, estimate.noise_bound, estimate.bounds_tried, options);
+  result.stopped = result.stopped || other.stopped;
   refuse_by_its_bound(independent, other);
   detail::bring_to_all_rows(correspondences, other);
   refuse_by_its_bound(correspondences, other);
+  if (!other.has_pose()) result.seconds += other.seconds;
   fall_back_on(std::move(other), result);
 }
 

@@ -21,7 +21,8 @@ namespace {
 // asked for.
 constexpr double kCarefulConfidence = 0.999;
 
-// A seed that is looked at with care takes so many times the time of another.
+// A seed that is looked at with care takes so many times the time of another: of 3000 rows of the noise study, 99.75 %
+// outliers and 1 m, some 17 microseconds and its share of the poses.
 constexpr double kTimeOfCare = 2.0;
 // Sets of so many rows tell nothing.
 constexpr std::uint32_t kSmallestSets = 3;
@@ -58,7 +59,9 @@ void ConsensusSearch::offer(const WorkingPose& pose) {
 
 void ConsensusSearch::run(bool careful) {
   if (exhaustive_) return;
-  if (careful && seeds_for_all() < kTimeOfCare * static_cast<double>(correspondences_.size())) look_at_all_sets();
+  const auto rows = static_cast<std::uint64_t>(correspondences_.size());
+  if (careful && seeds_for_all() < kTimeOfCare * static_cast<double>(std::min(rows, careful_seeds())))
+    look_at_all_sets();
   if (exhaustive_) return;
   draw_rounds(careful);
   if (!stopped_) look_for_repeated_rival();
@@ -127,23 +130,25 @@ double ConsensusSearch::seeds_for_all() const {
 
 void ConsensusSearch::look_at_all_sets() {
   tried_all_ = true;
-  const std::uint32_t by_chance = largest_by_chance(correspondences_.size(), sets_.share());
-  const std::uint32_t least = std::max({support_of_interest(), by_chance, kSmallestSets}) + 1;
-  const auto [sets, all] = [&] {
+  const std::uint32_t least = std::max(support_of_interest(), kSmallestSets) + 1;
+  const SparseSets found = [&] {
     const StageClock clock(all_sets_seconds_);
     return sparse_sets(correspondences_, 2.0 * options_.noise_bound, least, options_.stop);
   }();
+  const std::vector<std::vector<std::uint32_t>>& sets = found.sets;
   std::vector<SetToFit> fitted;
   for (std::size_t first = 0; first < sets.size() && sets[first].size() > support_of_interest(); first += kSetsAtOnce) {
     stopped_ = options_.stop.met();
     if (stopped_) return;
     fitted.clear();
     for (std::size_t k = first; k < std::min(first + kSetsAtOnce, sets.size()); ++k) {
-      if (!poses_.best_explains(sets[k].front())) fitted.push_back({&sets[k], sets_.drawn() + k});
+      // Two rows determine no other pose.
+      const auto others = std::ranges::count_if(sets[k], [&](std::uint32_t row) { return !poses_.best_explains(row); });
+      if (others > 2) fitted.push_back({&sets[k], sets_.drawn() + k});
     }
     fit_sets(fitted);
   }
-  exhaustive_ = all;
+  exhaustive_ = found.all;
 }
 
 // Support from which a pose may become the best or its rival.

@@ -185,6 +185,10 @@ SparseSets sparse_sets(const Correspondences& correspondences, double bound, std
   ConsistencyMatrix matrix;
   matrix.compute(ordered.view(), bound);
   const auto size = static_cast<std::uint32_t>(order.size());
+  // Each row agrees with itself.
+  const double agreeing = std::accumulate(matrix.degrees().begin(), matrix.degrees().end(), 0.0) - size;
+  const double share = agreeing / std::max(1.0, static_cast<double>(size) * (static_cast<double>(size) - 1.0));
+  const std::uint32_t least_set = std::max({least, largest_by_chance(size, share) + 1, 3U});
   SparseSets result;
   result.sets.resize(size);
   std::atomic<bool> all = true;
@@ -192,12 +196,13 @@ SparseSets sparse_sets(const Correspondences& correspondences, double bound, std
   tbb::parallel_for(tbb::blocked_range<std::uint32_t>(0, size, kRowsPerTask), [&](const auto& range) {
     for (std::uint32_t row = range.begin(); row < range.end(); ++row) {
       if (!all.load(std::memory_order_relaxed)) return;
-      const bool ended = stop.met() || !scratch.local().find(matrix, row, std::max(least, 3U), result.sets[row]);
+      const bool ended = stop.met() || !scratch.local().find(matrix, row, least_set, result.sets[row]);
       if (ended) all.store(false, std::memory_order_relaxed);
     }
   });
   if (!all) return {};
   result.all = true;
+  result.least = least_set;
   std::erase_if(result.sets, [](const auto& set) { return set.empty(); });
   for (std::vector<std::uint32_t>& set : result.sets) {
     for (std::uint32_t& row : set) row = order[row];

@@ -21,12 +21,13 @@ namespace consimd::detail {
 struct SparseSets {
   std::vector<std::vector<std::uint32_t>> sets;  ///< rows ascending; large sets first
   bool all = false;                              ///< none was missed; otherwise there are none
+  std::uint32_t least = 0;                       ///< rows of those that were looked for, or more
 };
 
-/// For each row a largest set of `least` or more rows of which it comes first, in an order of the rows, and which agree
-/// with one another to within `bound` (caller's unit). Every set that agrees is a part of one, or no larger than one
-/// that begins with the same row. Needs the memory of a ConsistencyMatrix. Gives up if `stop` is met or a row has too
-/// many sets to look at, as in clusters of rows that all agree.
+/// For each row a largest set of `least` or more rows, and of more than agree by chance, of which it comes first, in an
+/// order of the rows, and which agree with one another to within `bound` (caller's unit). Every set that agrees is a
+/// part of one, or no larger than one that begins with the same row. Needs the memory of a ConsistencyMatrix. Gives up
+/// if `stop` is met or a row has too many sets to look at, as in clusters of rows that all agree.
 [[nodiscard]] SparseSets sparse_sets(const Correspondences& correspondences, double bound, std::uint32_t least,
                                      const StopCondition& stop);
 

@@ -123,11 +123,6 @@ bool one_to_many(const CorrespondenceView& view) {
   return std::max(rows.of_source, rows.of_target) >= kManyRows;
 }
 
-bool many_to_many(const CorrespondenceView& view) {
-  const RowsAPoint rows = rows_a_point(view);
-  return std::min(rows.of_source, rows.of_target) >= kManyRows;
-}
-
 std::vector<std::uint32_t> rows_sharing_a_point(const CorrespondenceView& view,
                                                 std::span<const std::uint32_t> members) {
   const auto source_of = [&](std::uint32_t row) { return source_point(view, row); };

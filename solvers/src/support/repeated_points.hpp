@@ -15,16 +15,15 @@ namespace consimd::detail {
 /// Rows a point from which these are many. The three nearest descriptors of each, which is what matchers give, are not.
 inline constexpr double kManyRows = 4.0;
 
-/// Whether the points of one cloud or of both are in so many rows each or more, as far as some pairs of rows from all
-/// over tell.
+/// Whether the points of one cloud are in so many rows each or more, as far as some pairs of rows from all over tell.
 [[nodiscard]] bool one_to_many(const CorrespondenceView& view);
-[[nodiscard]] bool many_to_many(const CorrespondenceView& view);
 
 /// The pairs of a source and a target that support a pose, where points are in many rows: in other rows these are no
 /// mismatch.
 class MatchedPoints {
  public:
-  /// Takes the pairs of the rows within `bound` (caller's unit) of the pose; none unless many_to_many(view).
+  /// Takes the pairs of the rows within `bound` (caller's unit) of the pose; none unless the points of
+  /// both clouds are in many rows.
   MatchedPoints(const CorrespondenceView& view, const WorkingPose& pose, double bound);
 
   [[nodiscard]] bool empty() const noexcept { return pairs_.empty(); }

@@ -20,8 +20,10 @@ constexpr double kHalvesTheBound = 0.25;
 constexpr std::size_t kLeastSupporters = 8;
 // A distortion that changes lengths by less: residuals of exact data are rounding, which anything may explain.
 constexpr double kLeastDistortion = 1e-3;
-// A variance of the sources along an axis below this share of the largest is rounding: they are flat.
+// A variance of the sources along an axis below this share of the largest is rounding: they are flat. So are those
+// whose thickness the map takes away but for this share: noise in depth of a board, which its targets do not have.
 constexpr double kFlat = 1e-9;
+constexpr double kThicknessLeft = 0.3;
 
 // Moved sources and what they miss their targets by, working frame.
 struct Residuals {
@@ -48,7 +50,7 @@ Residuals sources_and_errors(const CorrespondenceView& view, const RigidTransfor
 struct AffineShare {
   double rigid = 0.0;       // variance of the residuals about a motion
   double affine = 0.0;      // and about an affine map
-  double distortion = 0.0;  // largest share by which that changes a length
+  double distortion = 0.0;  // largest share by which that changes a length, if by little
 };
 
 AffineShare shares(const Residuals& supporters) {
@@ -61,10 +63,11 @@ AffineShare shares(const Residuals& supporters) {
   const Eigen::Vector3d& variances = principal.eigenvalues();
   AffineShare result;
   if (!(variances[1] > kFlat * variances[2])) return result;
-  const int dimensions = variances[0] > kFlat * variances[2] ? 3 : 2;
   // In the principal axes a map of each axis explains the residuals on its own, and a motion by a turn about each.
   const Eigen::Matrix3d& axes = principal.eigenvectors();
   const Eigen::Matrix3d along = axes.transpose() * moments * axes;
+  const bool is_flat = !(variances[0] > kFlat * variances[2]) || 1.0 + along(0, 0) / variances[0] < kThicknessLeft;
+  const int dimensions = is_flat ? 2 : 3;
   Eigen::Matrix3d map = Eigen::Matrix3d::Zero();
   double explained = 0.0;
   for (int axis = 3 - dimensions; axis < 3; ++axis) {
@@ -80,7 +83,9 @@ AffineShare shares(const Residuals& supporters) {
   const double all = e.squaredNorm();
   result.rigid = (all - turned) / (3.0 * size - 6.0);
   result.affine = (all - explained) / (3.0 * size - 3.0 - 3.0 * dimensions);
-  result.distortion = (0.5 * (map + map.transpose())).cwiseAbs().maxCoeff();
+  map.leftCols(3 - dimensions).setZero();  // a turn out of the plane
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> stretch(0.5 * (map + map.transpose()), Eigen::EigenvaluesOnly);
+  result.distortion = stretch.eigenvalues().cwiseAbs().maxCoeff();
   return result;
 }
 

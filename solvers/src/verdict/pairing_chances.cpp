@@ -20,7 +20,8 @@ namespace {
 constexpr double kFew = 8.0;       // hits that are taken as they are
 constexpr double kTelling = 64.0;  // hits that tell a chance and how it grows
 constexpr int kDoublings = 5;
-constexpr std::size_t kSurroundings = 16;   // doublings as well, which reach from any bound to all of a cloud
+constexpr double kMostOfFew = 0.25;         // of all pairs: further out a cloud ends
+constexpr std::size_t kSurroundings = 64;   // doublings as well, which reach from any bound to all of a cloud
 constexpr std::size_t kSmall = 8 * kBlock;  // up to here correspondences are shifted row by row
 
 // The values were drawn from `distinct` ones, few of which maybe many times.
@@ -120,14 +121,14 @@ void raise_to_surroundings(const CorrespondenceView& view, const WorkingPose& po
   }
   // Pairs of the same points count once.
   const double of_each = std::min(1.0, matched.different_pairs() / trials);
-  double hits = 0.0;
-  double former = 0.0;
-  std::size_t k = 0;
-  while (k < kSurroundings && hits < kTelling) {
-    former = hits;
+  const double enough = std::min(kTelling, kMostOfFew * matched.different_pairs());
+  double hits = of_each * beyond[0];
+  std::size_t k = 1;
+  do {
     hits += of_each * beyond[k++];
-  }
-  const double dimension = std::clamp(elementary::log((hits + 1.0) / (former + 1.0)) / std::numbers::ln2, 1.0, 3.0);
+  } while (k < kSurroundings && hits < enough);
+  const double growth = (of_each * beyond[k - 1] + 1.0) / (of_each * beyond[k - 2] + 1.0);
+  const double dimension = std::clamp(elementary::log(growth) / std::numbers::ln2, 1.0, 3.0);
   const double doublings = static_cast<double>(k) * std::numbers::ln2;
   const double share = chance(hits, of_each * trials) / (elementary::exp(dimension * doublings) - 1.0);
   for (std::size_t b = 0; b < bounds.size(); ++b) {

@@ -63,7 +63,8 @@ template <typename Source, typename Target>
 }
 
 /// A solver of the caller's, called in the arena of the options with the noise bound to use, which was chosen from
-/// `bounds_tried` ones by looking at the data.
+/// `bounds_tried` ones by looking at the data. Without a bound it may be called again, with some of the rows, where all
+/// of them have told nothing.
 using SolverCall = std::function<Registration(const Correspondences&, double noise_bound, std::uint32_t bounds_tried)>;
 
 /// As above for a solver of the caller's, which has its own seed; that of `options` is for the rest.
