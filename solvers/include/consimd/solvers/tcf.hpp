@@ -18,8 +18,8 @@ struct TcfOptions {
   double confidence = 0.99;
   /// Seeds drawn at most; when they end before the confidence is reached the status is budget_exhausted.
   std::uint32_t max_seeds = 10'000;
-  /// Memory for the pairwise consistency matrix of all correspondences. It is built where it fits and the consensus sets
-  /// are dense, or so sparse that all are looked at; elsewhere the matrices of the sets themselves are.
+  /// Memory for the pairwise consistency matrix of all correspondences. It is built where it fits and the consensus
+  /// sets are dense, or so sparse that all are looked at; elsewhere the matrices of the sets themselves are.
   std::size_t matrix_budget_bytes = std::size_t{64} << 20;
   /// Noise bounds that the given one was chosen from by looking at the data, >= 1: their number counts in the
   /// significance.
