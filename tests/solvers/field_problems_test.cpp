@@ -148,8 +148,8 @@ Problem forty_rows_and_more_without_value(std::uint64_t trial) {
                                                   .trial = trial});
 }
 
-/// The same of two values, as of pixels without depth and out of range: each in fewer rows than there are others, or up
-/// to twice as many.
+/// The same of two values, as pixels without depth and pixels out of range have them: each in fewer rows than there are
+/// others, or up to twice as many.
 Problem forty_rows_and_more_without_either_value(std::uint64_t trial) {
   constexpr std::array kValues{9999.0, 65535.0, 1e10};
   Problem problem = forty_rows(trial);
@@ -308,37 +308,6 @@ TEST_P(Nuisances, CostNoPoseWithoutABound) {
   const Tally found = tally(GetParam(), false, trials(301));  // each takes several times as long
   EXPECT_LE(static_cast<double>(found.lost), most_lost(found));
   EXPECT_LE(found.wrong, 1U);
-}
-
-/// Each landmark of one scene matched with each of another one. Whatever a pose brings near one another is a row.
-Problem unrelated_landmarks(std::uint64_t trial) {
-  const std::size_t landmarks = 4 + 4 * (trial % 6);
-  const Problem scenes = synth::hard_problem(
-      {.correspondences = landmarks, .outlier_ratio = 1.0, .sigma = 0.01, .half_extent = 10.0, .trial = trial});
-  Problem problem;
-  for (std::size_t i = 0; i < landmarks; ++i) {
-    for (std::size_t j = 0; j < landmarks; ++j) {
-      for (std::size_t axis = 0; axis < 3; ++axis) {
-        problem.source.push_back(scenes.source[3 * i + axis]);
-        problem.target.push_back(scenes.target[3 * j + axis]);
-      }
-      problem.is_inlier.push_back(0);
-    }
-  }
-  return problem;
-}
-
-TEST(AllToAll, OfUnrelatedScenesIsNoSuccess) {
-  std::size_t found = 0;
-  for (std::uint64_t trial = 0; trial < trials(84); ++trial) {
-    const Correspondences rows = unrelated_landmarks(trial).correspondences();
-    for (const std::optional<double> bound : {std::optional<double>(), std::optional(1.0)}) {
-      const char* solver = kSolvers[trial % kSolvers.size()];
-      const Registration result = register_by_name(solver, rows, {.noise_bound = bound, .seed = trial});
-      found += result.status == Status::success || result.status == Status::ambiguous ? 1U : 0U;
-    }
-  }
-  EXPECT_LE(found, 1U);  // one in a thousand is promised
 }
 
 /// Forty rows on a line among eighty others, or none; the noise of the sources too looks like a width of the line.

@@ -6,6 +6,7 @@
 #include <consimd/solvers/stop_condition.hpp>
 #include <consimd/solvers/tcf.hpp>
 #include <consimd/solvers/threads.hpp>
+#include <consimd/synth/field_problems.hpp>
 #include <consimd/synth/hard_problems.hpp>
 
 #include <oneapi/tbb/info.h>
@@ -133,6 +134,26 @@ TEST(StoppedSearch, AnotherThreadMayEndIt) {
   });
   EXPECT_TRUE(register_ransac(problem.correspondences(), options).stopped);
   other.join();
+}
+
+TEST(StoppedSearch, OfRecurringPlacesSaysSo) {
+  // Without a bound the rows that stand for others are searched once a solver has found nothing; that is when it ends.
+  const Correspondences rows =
+      synth::repeated_targets({.targets = 12, .frames = 6, .blunders = 7.0 / 12.0, .copied = false}).correspondences();
+  std::atomic<bool> flag = false;
+  SolverOptions options;
+  options.stop.requested = &flag;
+  const Registration result = register_with(
+      [&flag](const Correspondences&, double noise_bound, std::uint32_t) {
+        flag = true;
+        Registration nothing;
+        nothing.status = Status::no_consensus;
+        nothing.noise_bound = noise_bound;
+        return nothing;
+      },
+      rows, options);
+  EXPECT_TRUE(result.stopped);
+  EXPECT_NE(result.status, Status::success);
 }
 
 TEST(StoppedSearch, CliquesAreNotProven) {

@@ -12,9 +12,9 @@
 namespace consimd::detail {
 namespace {
 
-constexpr Effort kOnAll{.seeds = 1024, .bounds_past = 2};
-constexpr Effort kOnFew{.seeds = 1024, .bounds_past = kBounds, .glances = 1};
-constexpr Effort kOnIndependent{.seeds = 1024, .bounds_past = kBounds, .independent = true};
+constexpr Effort kOnAll{.seeds = kSeeds, .bounds_past = 2};
+constexpr Effort kOnFew{.seeds = kSeeds, .bounds_past = kBounds, .glances = 1};
+constexpr Effort kOnIndependent{.seeds = kSeeds, .bounds_past = kBounds, .independent = true};
 // As much as a registration that finds nothing at first.
 constexpr Effort kLast{
     .seeds = ConsensusSearchOptions{}.max_seeds, .bounds_past = 1, .stops_in_doubt = true, .careful = true};

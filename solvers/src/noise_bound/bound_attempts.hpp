@@ -21,6 +21,8 @@ namespace consimd::detail {
 inline constexpr std::uint32_t kBounds = 10;
 /// Among so many rows no search and no look takes long.
 inline constexpr std::size_t kFewRows = 1024;
+/// Seeds of a search among all of these, or of more.
+inline constexpr std::uint32_t kSeeds = 1024;
 
 /// log10 by which many bounds raise the number of false poses.
 inline double penalty() { return elementary::log10(kBounds); }

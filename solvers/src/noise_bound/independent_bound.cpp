@@ -20,7 +20,6 @@ namespace {
 
 // Once among all rows and once among those that stand for them.
 constexpr std::uint32_t kSearches = 2;
-constexpr std::uint32_t kSeeds = 1024;
 
 double penalty_of_both() { return elementary::log10(kSearches * kBounds); }
 

@@ -8,6 +8,7 @@
 #include "call/refusal.hpp"
 #include "search/consensus_search.hpp"
 #include "verdict/ambiguity.hpp"
+#include "verdict/pairing_chances.hpp"
 #include "verdict/pose_test.hpp"
 
 namespace consimd::detail {
@@ -17,7 +18,6 @@ namespace {
 // Among many rows, for which it takes a millisecond or two, only where log10 of false poses is no less than five times
 // what success needs.
 constexpr std::size_t kFewSupporters = 24;
-constexpr std::size_t kFewRows = 512;
 constexpr double kThin = 5.0 * kSignificant;
 // Scales closer than this are those of calibrations.
 constexpr double kLeastDifference = 0.01;
@@ -37,7 +37,7 @@ std::uint32_t support_at(double scale, const Correspondences& correspondences, c
 void refuse_at_rival_scale(const Correspondences& correspondences, Registration& result) {
   // A scale that was estimated has had its rivals.
   if (!result.has_pose() || result.scale != 1.0 || result.inliers.size() > kFewSupporters) return;
-  if (correspondences.size() > kFewRows && result.log10_false_poses < kThin) return;
+  if (correspondences.size() > kFewCorrespondences && result.log10_false_poses < kThin) return;
   const std::vector<VotedScale> voted = scale_voting(correspondences, {.noise_bound = result.noise_bound,
                                                                        .seed = result.seed,
                                                                        .max_voters = kVoters,

@@ -56,7 +56,7 @@ class SeedSets {
   [[nodiscard]] const std::vector<std::uint32_t>& set(std::uint32_t position) const { return sets_[position]; }
 
   [[nodiscard]] std::uint32_t drawn() const noexcept { return drawn_; }
-  /// Of the pairs tested last, the share that is consistent; 0 before the first round.
+  /// The share of the pairs tested last that is consistent; it is 0 before the first round.
   [[nodiscard]] double share() const;
   /// The size of the largest set before pruning, as far as the window tells.
   [[nodiscard]] std::size_t largest_raw_set() const noexcept { return largest_raw_set_; }

@@ -22,8 +22,8 @@ inline constexpr double kManyRows = 4.0;
 /// mismatch.
 class MatchedPoints {
  public:
-  /// Takes the pairs of the rows within `bound` (caller's unit) of the pose; none unless the points of
-  /// both clouds are in many rows.
+  /// Takes the pairs of the rows within `bound` (caller's unit) of the pose; none unless the points of both
+  /// clouds are in many rows.
   MatchedPoints(const CorrespondenceView& view, const WorkingPose& pose, double bound);
 
   [[nodiscard]] bool empty() const noexcept { return pairs_.empty(); }

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cstdint>
+#include <optional>
 #include <utility>
 #include <vector>
 
@@ -127,18 +128,23 @@ double Background::measured(const WorkingPose& pose, double enough) const {
   double most = detail::log_false_poses(size, found, at_random);
   double at_random_wider = -1.0;
   const auto look = [&](const PairingHits& support, const PairingHits& lengths, const auto& pairing) {
+    std::optional<bool> told;
     const auto shows_wider = [&] {
+      if (told) return *told;
       const std::array wider{kWider * reach};
       if (at_random_wider < 0.0) {
         at_random_wider = pose_chances(view, pose, wider, kShifts, RareHits::extrapolated, matched).front();
       }
       const PairingHits hits = pairing.support(pose, wider.front(), matched);
-      return is_rarer(at_random_wider, hits.hits.front(), hits.trials, kNoStructureOfFew);
+      told = is_rarer(at_random_wider, hits.hits.front(), hits.trials, kNoStructureOfFew);
+      return *told;
     };
+    // A thousand pairs of lengths have hits enough by chance.
+    const auto is_told_by_lengths = [] { return true; };
     Chances chances;
     for (std::size_t b = 0; b < kTestedBounds.size(); ++b) {
       chances.support[b] = structured(at_random.support[b], support.hits[b], support.trials, shows_wider);
-      chances.length[b] = structured(at_random.length[b], lengths.hits[b], lengths.trials, [] { return true; });
+      chances.length[b] = structured(at_random.length[b], lengths.hits[b], lengths.trials, is_told_by_lengths);
     }
     narrow_down(support, at_random, chances);
     most = std::max(most, detail::log_false_poses(size, found, chances));

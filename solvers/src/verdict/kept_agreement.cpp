@@ -18,8 +18,6 @@ namespace {
 
 // Mismatched pairs that are looked at.
 constexpr std::size_t kPairs = 1U << 17U;
-// Up to here those of them that keep a coordinate follow Laplace's rule.
-constexpr std::size_t kFewRows = 512;
 // Rows that keep a coordinate by chance alone once in so many times show nothing: one in a hundred for all kinds.
 constexpr double kNothingKept = 1e-3;
 // The share of the rows. What fewer keep may be another motion's: an object that is its own image when turned keeps
@@ -155,8 +153,9 @@ std::vector<Chances> kept_chances(const Correspondences& correspondences, const 
     if (log_binomial_tail(all, rows, by_chance) > elementary::log(kNothingKept)) continue;
     Chances chances = at_random;
     for (std::size_t b = 0; b < kTestedBounds.size(); ++b) {
-      const double given_kept = correspondences.size() <= kFewRows ? chance(pairs.reached.hits[b], of_pairs)
-                                                                   : std::min(1.0, at_random.support[b] / by_chance);
+      const double given_kept = correspondences.size() <= kFewCorrespondences
+                                    ? chance(pairs.reached.hits[b], of_pairs)
+                                    : std::min(1.0, at_random.support[b] / by_chance);
       chances.support[b] = std::max(at_random.support[b], rows / all * given_kept);
     }
     result.push_back(chances);

@@ -20,9 +20,8 @@ namespace {
 constexpr double kFew = 8.0;       // hits that are taken as they are
 constexpr double kTelling = 64.0;  // hits that tell a chance and how it grows
 constexpr int kDoublings = 5;
-constexpr double kMostOfFew = 0.25;         // of all pairs: further out a cloud ends
-constexpr std::size_t kSurroundings = 64;   // doublings as well, which reach from any bound to all of a cloud
-constexpr std::size_t kSmall = 8 * kBlock;  // up to here correspondences are shifted row by row
+constexpr double kPartOfFew = 0.25;        // of all pairs: further out a cloud ends
+constexpr std::size_t kSurroundings = 64;  // doublings as well, which reach from any bound to all of a cloud
 
 // The values were drawn from `distinct` ones, few of which maybe many times.
 double share_below(const std::vector<double>& values, double distinct, double bound) {
@@ -33,32 +32,44 @@ double share_below(const std::vector<double>& values, double distinct, double bo
   return chance(hits * trials / drawn, trials);
 }
 
+// Calls visit(i, j, distance of the moved source of row i from the target of row j, working frame) for rows shifted one
+// by one, as many shifts as there are to be. Returns the number of pairs.
+template <typename Visit>
+double for_each_shifted(const CorrespondenceView& view, const WorkingPose& pose, std::size_t shifts,
+                        const Visit& visit) {
+  const std::size_t size = view.size();
+  std::vector<Point> sources(size);
+  for (std::size_t i = 0; i < size; ++i) sources[i] = moved(pose, source_point(view, i));
+  const std::size_t step = std::max<std::size_t>(1, (size - 1) / shifts);
+  double pairs = 0.0;
+  for (std::size_t shift = 1; shift < size; shift += step) {
+    for (std::size_t i = 0; i < size; ++i) {
+      const std::size_t j = i + shift < size ? i + shift : i + shift - size;
+      visit(i, j, distance(sources[i], target_point(view, j)));
+    }
+    pairs += static_cast<double>(size);
+  }
+  return pairs;
+}
+
+// The chances at `bounds`, which descend from the first on.
+std::vector<double> single_shift_chances(const CorrespondenceView& view, const WorkingPose& pose,
+                                         std::span<const double> bounds, std::size_t shifts,
+                                         const MatchedPoints& matched) {
+  std::vector<double> result(bounds.size());
+  const double widest = bounds.front() * view.scale();
+  const double pairs = for_each_shifted(view, pose, shifts, [&](std::size_t i, std::size_t j, double apart) {
+    if (!(apart < widest) || matched.contains(view, i, j)) return;
+    for (std::size_t b = 0; b < bounds.size(); ++b) result[b] += apart < bounds[b] * view.scale() ? 1.0 : 0.0;
+  });
+  for (double& hits : result) hits = chance(hits, pairs);
+  return result;
+}
+
 struct ShiftHits {
   double hits = 0.0;
   double trials = 0.0;
 };
-
-// Rows shifted one by one. `bounds` descend from the first on; the result has an element for each.
-std::vector<ShiftHits> single_shift_hits(const CorrespondenceView& view, const WorkingPose& pose,
-                                         std::span<const double> bounds, std::size_t shifts,
-                                         const MatchedPoints& matched) {
-  const std::size_t size = view.size();
-  std::vector<ShiftHits> result(bounds.size());
-  std::vector<Point> sources(size);
-  for (std::size_t i = 0; i < size; ++i) sources[i] = moved(pose, source_point(view, i));
-  const double widest = bounds.front() * view.scale();
-  const std::size_t step = std::max<std::size_t>(1, (size - 1) / shifts);
-  for (std::size_t shift = 1; shift < size; shift += step) {
-    for (std::size_t i = 0; i < size; ++i) {
-      const std::size_t j = i + shift < size ? i + shift : i + shift - size;
-      const double apart = distance(sources[i], target_point(view, j));
-      if (!(apart < widest) || matched.contains(view, i, j)) continue;
-      for (std::size_t b = 0; b < bounds.size(); ++b) result[b].hits += apart < bounds[b] * view.scale() ? 1.0 : 0.0;
-    }
-    for (ShiftHits& hits : result) hits.trials += static_cast<double>(size);
-  }
-  return result;
-}
 
 ShiftHits shift_hits(const CorrespondenceView& view, const WorkingPose& pose, double bound, std::uint32_t shifts) {
   const std::size_t size = view.size();
@@ -103,25 +114,17 @@ double block_shift_chance(const CorrespondenceView& view, const WorkingPose& pos
 // each bound.
 void raise_to_surroundings(const CorrespondenceView& view, const WorkingPose& pose, std::span<const double> bounds,
                            std::size_t shifts, const MatchedPoints& matched, std::vector<double>& chances) {
-  const std::size_t size = view.size();
-  const double bound = matched.bound() * view.scale();
+  const double of_bound = 1.0 / (matched.bound() * view.scale());
   std::array<double, kSurroundings> beyond{};  // hits from 2^k bounds on, up to twice as far
-  double trials = 0.0;
-  const std::size_t step = std::max<std::size_t>(1, (size - 1) / shifts);
-  for (std::size_t i = 0; i < size; ++i) {
-    const Point moved_source = moved(pose, source_point(view, i));
-    for (std::size_t shift = 1; shift < size; shift += step) {
-      const std::size_t j = i + shift < size ? i + shift : i + shift - size;
-      const double bounds_apart = distance(moved_source, target_point(view, j)) / bound;
-      ++trials;
-      if (!(bounds_apart >= 1.0)) continue;
-      const int doublings = std::ilogb(bounds_apart);
-      if (doublings < static_cast<int>(kSurroundings)) ++beyond[static_cast<std::size_t>(doublings)];
-    }
-  }
+  const double trials = for_each_shifted(view, pose, shifts, [&](std::size_t, std::size_t, double apart) {
+    const double bounds_apart = apart * of_bound;
+    if (!(bounds_apart >= 1.0)) return;
+    const int doublings = std::ilogb(bounds_apart);
+    if (doublings < static_cast<int>(kSurroundings)) ++beyond[static_cast<std::size_t>(doublings)];
+  });
   // Pairs of the same points count once.
   const double of_each = std::min(1.0, matched.different_pairs() / trials);
-  const double enough = std::min(kTelling, kMostOfFew * matched.different_pairs());
+  const double enough = std::min(kTelling, kPartOfFew * matched.different_pairs());
   double hits = of_each * beyond[0];
   std::size_t k = 1;
   do {
@@ -142,15 +145,14 @@ void raise_to_surroundings(const CorrespondenceView& view, const WorkingPose& po
 std::vector<double> pose_chances(const CorrespondenceView& view, const WorkingPose& pose,
                                  std::span<const double> bounds, std::uint32_t shifts, RareHits rare,
                                  const MatchedPoints& matched) {
-  std::vector<double> result;
-  if (view.size() <= kSmall || !matched.empty()) {
-    const std::size_t used = view.size() <= kSmall && rare == RareHits::extrapolated ? view.size() : shifts;
-    for (const auto& [hits, trials] : single_shift_hits(view, pose, bounds, used, matched)) {
-      result.push_back(chance(hits, trials));
-    }
+  if (view.size() <= kFewCorrespondences || !matched.empty()) {
+    const bool all = view.size() <= kFewCorrespondences && rare == RareHits::extrapolated;
+    const std::size_t used = all ? view.size() : shifts;
+    std::vector<double> result = single_shift_chances(view, pose, bounds, used, matched);
     if (!matched.empty()) raise_to_surroundings(view, pose, bounds, used, matched, result);
     return result;
   }
+  std::vector<double> result;
   for (const double bound : bounds) result.push_back(block_shift_chance(view, pose, bound, shifts, rare));
   return result;
 }

@@ -15,6 +15,9 @@ namespace consimd::detail {
 /// Laplace's estimate of a chance that gave `hits` in `trials`.
 inline double chance(double hits, double trials) { return (hits + 1.0) / (trials + 2.0); }
 
+/// Among so many correspondences chances follow Laplace's rule, and all pairs are soon looked at.
+inline constexpr std::size_t kFewCorrespondences = 512;
+
 /// How a chance is told where pairings give hardly any hits.
 enum class RareHits : std::uint8_t {
   laplace,       ///< as if there had been one more: never too little
@@ -23,8 +26,8 @@ enum class RareHits : std::uint8_t {
 };
 
 /// Chances that the pose takes a source within each of `bounds` (caller's unit, descending) of the target of any other
-/// correspondence, from `shifts` pairings of all of them, or fewer where there are not as many. `matched` at the pose
-/// are no chance.
+/// correspondence: from `shifts` pairings of all of them, or from as many as there are where these are fewer or, of few
+/// correspondences, where chances are to be extrapolated. `matched` at the pose are no chance.
 std::vector<double> pose_chances(const CorrespondenceView& view, const WorkingPose& pose,
                                  std::span<const double> bounds, std::uint32_t shifts, RareHits rare,
                                  const MatchedPoints& matched);

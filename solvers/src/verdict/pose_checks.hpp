@@ -14,7 +14,7 @@ namespace consimd::detail {
 inline constexpr double kLargestRotationDeviation = 0.35;
 
 /// Standard deviation in radians of the rotation about its least certain axis, from the scatter of the sources of the
-/// pose's supporters. sigma: of their residuals per axis, caller's unit.
+/// rows within `noise_bound` of the pose. sigma: of their residuals per axis; both in the caller's unit.
 double rotation_deviation(const CorrespondenceView& view, const WorkingPose& pose, double noise_bound, double sigma);
 
 /// Whether a rotation is told by nothing but the noise of points on a line, whose scatter across it looks like
