@@ -247,18 +247,6 @@ TEST_P(CliqueSolver, GivesNoPoseWhereThereIsNone) {
   }
 }
 
-TEST_P(CliqueSolver, GivesNoPoseForAMirrorImage) {
-  for (const std::size_t size : {10U, 100U, 400U}) {
-    for (std::uint64_t trial = 0; trial < 5; ++trial) {
-      const Problem problem = synth::hard_problem(
-          {.correspondences = size, .outlier_ratio = 0.0, .sigma = 1.0, .trial = trial, .mirrored = true});
-      const Registration result = run(problem, 3.0, trial);
-      expect_sound(result, problem, 3.0);
-      EXPECT_FALSE(result.has_pose()) << size << " rows, trial " << trial;
-    }
-  }
-}
-
 TEST_P(CliqueSolver, IsTheSameForAnyNumberOfThreadsAndEveryInstructionSet) {
   // Threads beyond the processor's, so that arenas of four are real on small machines.
   const tbb::global_control allow(tbb::global_control::max_allowed_parallelism, 4);

@@ -155,18 +155,6 @@ TEST_P(CompatibilitySolver, GivesNoPoseWhereThereIsNone) {
   }
 }
 
-TEST_P(CompatibilitySolver, MirroredScenesHaveNoPose) {
-  for (const std::size_t size : {10U, 100U, 400U}) {
-    for (const double outlier_ratio : {0.0, 0.5}) {
-      for (std::uint64_t trial = 0; trial < trials(5); ++trial) {
-        const Problem problem = synth::hard_problem(
-            {.correspondences = size, .outlier_ratio = outlier_ratio, .sigma = 1.0, .trial = trial, .mirrored = true});
-        EXPECT_FALSE(run(GetParam(), problem, 3.0, trial).has_pose()) << size << " rows, trial " << trial;
-      }
-    }
-  }
-}
-
 TEST_P(CompatibilitySolver, UnitDoesNotMatter) {
   const Problem metres = synth::noise_study_problem({.correspondences = 500, .outlier_ratio = 0.8});
   const Registration expected = run(GetParam(), metres, 3.0);

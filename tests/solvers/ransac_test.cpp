@@ -384,22 +384,5 @@ TEST_P(RansacWithoutPose, GivesNone) {
   EXPECT_EQ(poses, 0u);
 }
 
-class RansacMirrored : public ::testing::TestWithParam<std::tuple<std::size_t, double>> {};
-INSTANTIATE_TEST_SUITE_P(SizesAndOutliers, RansacMirrored,
-                         ::testing::Combine(::testing::Values(10, 100, 400), ::testing::Values(0.0, 0.5)));
-
-TEST_P(RansacMirrored, HasNoPose) {
-  // A rotation fits what lies near a plane of a mirrored scene: at this noise more of it than chance would give.
-  const auto [size, outlier_ratio] = GetParam();
-  for (std::uint64_t trial = 0; trial < 5; ++trial) {
-    const Problem problem = synth::hard_problem(
-        {.correspondences = size, .outlier_ratio = outlier_ratio, .sigma = 1.0, .trial = trial, .mirrored = true});
-    const Registration result =
-        register_ransac(problem.correspondences(), {.noise_bound = 3.0, .seed = trial, .max_iterations = 5000});
-    expect_sound(result, problem, 3.0);
-    EXPECT_FALSE(result.has_pose()) << "trial " << trial << ", " << result.inliers.size() << " inliers";
-  }
-}
-
 }  // namespace
 }  // namespace consimd::test

@@ -178,64 +178,6 @@ TEST(TcfThreeCorrespondences, GiveTheirPoseOrNone) {
   }
 }
 
-class TcfMirrored : public ::testing::TestWithParam<std::size_t> {
- protected:
-  template <typename Check>
-  static void for_each_problem(Check check) {
-    for (std::uint64_t trial = 0; trial < 5; ++trial) {
-      SCOPED_TRACE(::testing::Message() << "trial " << trial);
-      check(synth::hard_problem(
-          {.correspondences = GetParam(), .outlier_ratio = 0.0, .sigma = 0.1, .trial = trial, .mirrored = true}));
-    }
-  }
-};
-INSTANTIATE_TEST_SUITE_P(Sizes, TcfMirrored, ::testing::Values(4, 10, 100, 400));
-
-TEST_P(TcfMirrored, NeverGivesAReflection) {
-  for_each_problem([](const Problem& problem) {
-    expect_sound(run(problem, kNoiseBound), problem, kNoiseBound);
-    if (problem.size() > 10) return;  // its trials are slow where every row agrees with most
-    const Registration published =
-        register_by_name("tcf-published", problem.correspondences(), {.noise_bound = kNoiseBound});
-    expect_sound(published, problem, kNoiseBound);
-  });
-}
-
-TEST_P(TcfMirrored, HasNoPose) {
-  for_each_problem([](const Problem& problem) {
-    for (const std::optional<double> noise_bound : {std::optional(kNoiseBound), std::optional<double>()}) {
-      const Registration result = register_by_name("tcf", problem.correspondences(), {.noise_bound = noise_bound});
-      EXPECT_FALSE(result.has_pose()) << result.inliers.size() << " inliers, log10 of false poses "
-                                      << result.log10_false_poses;
-    }
-  });
-}
-
-TEST(TcfMirrored, HasNoPoseAmongOutliers) {
-  for (std::uint64_t trial = 0; trial < 10; ++trial) {
-    const Problem problem = synth::hard_problem(
-        {.correspondences = 400, .outlier_ratio = 0.5, .sigma = 0.1, .trial = trial, .mirrored = true});
-    const Registration result = run(problem, kNoiseBound);
-    expect_sound(result, problem, kNoiseBound);
-    EXPECT_FALSE(result.has_pose()) << "trial " << trial;
-  }
-}
-
-TEST(TcfMirrored, IsNamedOfFourRowsToo) {
-  for (std::uint64_t trial = 0; trial < 50; ++trial) {
-    const Problem problem = synth::hard_problem({.correspondences = 4 + trial % 5,
-                                                 .outlier_ratio = 0.0,
-                                                 .sigma = 0.005,
-                                                 .half_extent = 10.0,
-                                                 .trial = trial,
-                                                 .mirrored = true});
-    const Registration result = run(problem, 0.04);
-    EXPECT_FALSE(result.has_pose());
-    // Four points near a plane are their own mirror image.
-    EXPECT_TRUE(result.mirrored || problem.size() == 4) << "trial " << trial;
-  }
-}
-
 struct OutlierCase {
   std::string name;
   synth::HardProblemOptions options;

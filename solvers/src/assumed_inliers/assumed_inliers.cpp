@@ -13,6 +13,7 @@
 #include "call/option_checks.hpp"
 #include "call/solver_call.hpp"
 #include "verdict/fit_covariance.hpp"
+#include "verdict/mirror_image.hpp"
 #include "verdict/pose_checks.hpp"
 
 namespace consimd {
@@ -58,15 +59,6 @@ struct Sums {
   Cloud source;
   Cloud target;
   RigidMoments moments{};
-
-  // The moments are those of sources whose first axis is reversed.
-  [[nodiscard]] RigidMoments mirrored() const {
-    RigidMoments result = moments;
-    result.source[0] = -result.source[0];
-    for (std::size_t row = 0; row < 3; ++row) result.cross[3 * row] = -result.cross[3 * row];
-    for (const std::size_t product : {1U, 2U}) result.source_scatter[product] = -result.source_scatter[product];
-    return result;
-  }
 
   // What a fit and the scales 1 and the best one leave of the squared distances of the rows.
   struct Left {
@@ -132,9 +124,9 @@ void solve(const Correspondences& correspondences, AssumedInliers& result) {
     result.other_scale = left.scale;
     remaining = std::max(left.squares_scaled, 0.0);
   }
-  const RigidMoments mirrored = sums.mirrored();
+  const RigidMoments image = detail::mirrored(sums.moments);
   // Three points are their own mirror image.
-  registration.mirrored = tell && count > 3.0 && sums.left_by(mirrored, rigid_fit(mirrored)).squares < kLeft * squares;
+  registration.mirrored = tell && count > 3.0 && sums.left_by(image, rigid_fit(image)).squares < kLeft * squares;
   // Another scale is no noise, which alone hides what the points determine.
   const double noise = std::sqrt(remaining / (3.0 * count - 6.0));
   const double noise_of_source = noise / result.other_scale.value_or(1.0);

@@ -1,5 +1,6 @@
 #include "verdict/distortion.hpp"
 
+#include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <vector>
@@ -66,7 +67,8 @@ AffineShare shares(const Residuals& supporters) {
   // In the principal axes a map of each axis explains the residuals on its own, and a motion by a turn about each.
   const Eigen::Matrix3d& axes = principal.eigenvectors();
   const Eigen::Matrix3d along = axes.transpose() * moments * axes;
-  const bool is_flat = !(variances[0] > kFlat * variances[2]) || 1.0 + along(0, 0) / variances[0] < kThicknessLeft;
+  const double thickness_left = std::abs(1.0 + along(0, 0) / variances[0]);
+  const bool is_flat = !(variances[0] > kFlat * variances[2]) || thickness_left < kThicknessLeft;
   const int dimensions = is_flat ? 2 : 3;
   Eigen::Matrix3d map = Eigen::Matrix3d::Zero();
   double explained = 0.0;

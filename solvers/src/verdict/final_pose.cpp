@@ -14,6 +14,7 @@
 #include "verdict/ambiguity.hpp"
 #include "verdict/another_scale.hpp"
 #include "verdict/false_poses.hpp"
+#include "verdict/mirror_image.hpp"
 #include "verdict/pose_checks.hpp"
 #include "verdict/shifted_motion.hpp"
 
@@ -222,6 +223,9 @@ void conclude(const Correspondences& correspondences, const PoseTest& test, cons
     if (supported) result.refused = refused_pose(correspondences, final, result);
   } else if (is_at_another_scale(correspondences, test, final)) {
     result.status = Status::no_consensus;
+  } else if (is_part_of_a_mirror_image(correspondences, final.inliers, test.noise_bound)) {
+    result.status = Status::no_consensus;
+    result.mirrored = true;
   } else {
     std::optional<RunnerUp> rival = runner_up(correspondences, test, poses);
     const bool as_good = rival && is_rival(rival->support, poses.best().support.count);

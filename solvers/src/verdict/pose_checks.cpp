@@ -20,14 +20,6 @@ namespace {
 
 // Coordinates in the working frame are rounded to about this.
 constexpr double kResolution = 1e-7;
-// A length beyond every distance in the working frame.
-constexpr double kEverything = 8.0;
-// A reflection explains thin scenes nearly as well as the pose does; this many times its supporters tell.
-constexpr double kMirrorSupportRatio = 1.1;
-// Rows of a set that agree in length with one another and in place under a reflection: by chance hardly so many. Where
-// there are no others to choose from four do, the fewest that are not their own mirror image.
-constexpr std::size_t kLeastImage = 8;
-constexpr std::size_t kLeastOfAll = 4;
 // Rows that a turn would bring into place by chance, as many as a success may have false poses: from there on one that
 // it does bring tells nothing.
 constexpr double kChosenByChance = 1e-3;
@@ -148,38 +140,6 @@ std::vector<std::uint32_t> rows_agreeing_with(const Correspondences& corresponde
   std::vector<std::uint32_t> rows;
   members_of(std::span(bits).first(words), rows);
   return rows;
-}
-
-std::size_t mirrored_supporters(const Correspondences& correspondences, const std::vector<std::uint32_t>& set,
-                                double noise_bound) {
-  const CorrespondenceView view = correspondences.view();
-  std::vector<float> source;
-  std::vector<float> target;
-  for (const std::uint32_t row : set) {
-    for (std::size_t axis = 0; axis < 3; ++axis) {
-      source.push_back((axis == 0 ? -1.0F : 1.0F) * view.source(axis)[row]);
-      target.push_back(view.target(axis)[row]);
-    }
-  }
-  const Correspondences mirrored(PointSpan<float>::interleaved(source.data(), set.size()),
-                                 PointSpan<float>::interleaved(target.data(), set.size()));
-  const double bound = noise_bound * view.scale();  // the caller's unit is the working frame's here
-  WorkingPose pose = to_working_pose(RigidTransform::Identity());
-  for (const double cutoff : {kEverything, 4.0 * bound, 2.0 * bound, bound}) {
-    const RigidFit fit = rigid_fit(robust_moments(mirrored.view(), pose, {.scale = cutoff, .cutoff = cutoff}));
-    if (!fit.determined()) return 0;
-    pose = to_working_pose(fit.pose);
-  }
-  return pose_inliers(mirrored.view(), pose, bound).size();
-}
-
-bool is_mirrored(std::size_t mirrored_supporters, std::size_t supporters) {
-  return static_cast<double>(mirrored_supporters) > kMirrorSupportRatio * static_cast<double>(supporters);
-}
-
-bool is_mirror_image(std::size_t mirrored_supporters, std::size_t set_size, std::size_t rows) {
-  const std::size_t least = std::clamp(rows, kLeastOfAll, kLeastImage);
-  return mirrored_supporters >= least && 2 * mirrored_supporters > set_size;
 }
 
 }  // namespace consimd::detail

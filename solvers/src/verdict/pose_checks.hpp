@@ -31,15 +31,4 @@ bool coincident_or_collinear(const Correspondences& correspondences);
 std::vector<std::uint32_t> rows_agreeing_with(const Correspondences& correspondences, const IndexTriple& triple,
                                               double noise_bound);
 
-/// How many of the set a reflection aligns. The pairwise lengths that made the set one cannot tell a mirror image, of
-/// which a rotation fits whatever lies near a plane.
-std::size_t mirrored_supporters(const Correspondences& correspondences, const std::vector<std::uint32_t>& set,
-                                double noise_bound);
-
-/// Whether so many are clearly more than the pose has supporters.
-[[nodiscard]] bool is_mirrored(std::size_t mirrored_supporters, std::size_t supporters);
-
-/// Whether so many of the set, found among so many rows, are a mirror image and no coincidence.
-[[nodiscard]] bool is_mirror_image(std::size_t mirrored_supporters, std::size_t set_size, std::size_t rows);
-
 }  // namespace consimd::detail
