@@ -13,7 +13,7 @@ namespace consimd::detail {
 namespace {
 
 constexpr Effort kOnAll{.seeds = kSeeds, .bounds_past = 2};
-constexpr Effort kOnFew{.seeds = kSeeds, .bounds_past = kBounds, .glances = 1};
+constexpr Effort kOnFew{.seeds = kSeeds, .bounds_past = 2, .glances = 1};
 constexpr Effort kOnIndependent{.seeds = kSeeds, .bounds_past = kBounds, .independent = true};
 // As much as a registration that finds nothing at first.
 constexpr Effort kLast{

@@ -22,7 +22,8 @@ constexpr std::size_t kLeastSupporters = 8;
 // A distortion that changes lengths by less: residuals of exact data are rounding, which anything may explain.
 constexpr double kLeastDistortion = 1e-3;
 // A variance of the sources along an axis below this share of the largest is rounding: they are flat. So are those
-// whose thickness the map takes away but for this share: noise in depth of a board, which its targets do not have.
+// whose thickness the map takes away but for this share: noise in depth of a board, which its targets do not have. A
+// map that turns it over, and explains what the motion leaves, is a reflection.
 constexpr double kFlat = 1e-9;
 constexpr double kThicknessLeft = 0.3;
 
@@ -67,8 +68,11 @@ AffineShare shares(const Residuals& supporters) {
   // In the principal axes a map of each axis explains the residuals on its own, and a motion by a turn about each.
   const Eigen::Matrix3d& axes = principal.eigenvectors();
   const Eigen::Matrix3d along = axes.transpose() * moments * axes;
-  const double thickness_left = std::abs(1.0 + along(0, 0) / variances[0]);
-  const bool is_flat = !(variances[0] > kFlat * variances[2]) || thickness_left < kThicknessLeft;
+  const double thickness_left = 1.0 + along(0, 0) / variances[0];
+  const double off_plane = (e * axes.col(0)).squaredNorm();
+  const bool turned_over = thickness_left < kThicknessLeft - 1.0 &&
+                           off_plane - along(0, 0) * along(0, 0) / variances[0] < kHalvesTheBound * off_plane;
+  const bool is_flat = !(variances[0] > kFlat * variances[2]) || (thickness_left < kThicknessLeft && !turned_over);
   const int dimensions = is_flat ? 2 : 3;
   Eigen::Matrix3d map = Eigen::Matrix3d::Zero();
   double explained = 0.0;
