@@ -150,8 +150,10 @@ double Background::measured(const WorkingPose& pose, double enough) const {
     most = std::max(most, detail::log_false_poses(size, found, chances));
   };
   if (most >= enough) return most;
-  for (const Chances& chances : kept_chances(*correspondences_, pose, noise_bound_, reach, at_random, matched)) {
-    most = std::max(most, detail::log_false_poses(size, found, chances));
+  for (const auto& [chances, along] : kept_chances(*correspondences_, pose, noise_bound_, reach, at_random, matched)) {
+    // Two lines determine a pose, whatever rows they have.
+    const bool is_told = along.empty() || supports(view, pose, noise_bound_, radius, along).front().spread > 2.0;
+    most = std::max(most, is_told ? detail::log_false_poses(size, found, chances) : 0.0);
   }
   if (most >= enough) return most;
   const auto& [alike, alike_lengths] = lookalikes();

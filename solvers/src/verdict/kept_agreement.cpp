@@ -6,11 +6,14 @@
 #include <cstddef>
 #include <cstdint>
 
+#include <Eigen/Eigenvalues>
+
 #include <consimd/kernels/elementary_functions.hpp>
 
 #include "support/points.hpp"
 #include "verdict/kept_coordinates.hpp"
 #include "verdict/pairing_chances.hpp"
+#include "verdict/pose_checks.hpp"
 #include "verdict/strata.hpp"
 
 namespace consimd::detail {
@@ -24,11 +27,20 @@ constexpr double kNothingKept = 1e-3;
 // heights and ranges; or patches that keep one together, and say too much of all else.
 constexpr double kNearlyAll = 0.9;
 
+// The coordinates of a source, and what rows keep best: an axis of the sources is not quite the height where a few
+// poles make it lean, nor is its image under a pose of few supporters.
+constexpr std::size_t kBest = kCoordinates;
+constexpr std::size_t kCompared = kCoordinates + 1;
+// Rows that this may have been chosen for: by two directions and an offset.
+constexpr double kChosenFor = 5.0;
+// The cosine of the angle by which a pose may lean.
+constexpr double kLean = 1.0 - 0.5 * kLargestRotationDeviation * kLargestRotationDeviation;
 // Coordinates of a point, by its row, coordinate by coordinate.
-using Columns = std::array<std::vector<float>, kCoordinates>;
+using Columns = std::array<std::vector<float>, kCompared>;
 
 // Sets of coordinates as bits, and how often each is the set of those kept.
-constexpr std::size_t kSets = 1U << kCoordinates;
+constexpr std::size_t kSets = 1U << kCompared;
+constexpr std::size_t kBestOnly = 1U << kBest;
 using SetCounts = std::array<double, kSets>;
 
 std::size_t bits_of(const Kept& kept) {
@@ -60,15 +72,39 @@ class Agreement {
         limit_(static_cast<float>(reach * view_.scale())),
         near_(kNearMisses * noise_bound * view_.scale()) {
     const SourceCoordinates coordinates_of(correspondences, 1);
+    const KeptBest best = kept_best();
+    directions_.fill(Eigen::Vector3f::Zero());
+    for (const Coordinate c : {Coordinate::least, Coordinate::middle, Coordinate::greatest}) {
+      directions_[index_of(c)] = coordinates_of.axis(c);
+    }
+    directions_[kBest] = best.of_source;
+    const auto along = [](const Eigen::Vector3f& direction, const Point& p) {
+      return direction.dot(Eigen::Vector3f(p.x, p.y, p.z));
+    };
     for (std::size_t row = 0; row < view_.size(); ++row) {
-      const auto source = coordinates_of(source_point(view_, row));
-      const auto target = coordinates_of(moved_back(pose, target_point(view_, row)));
+      const Point source = source_point(view_, row);
+      const Point target = moved_back(pose, target_point(view_, row));
+      const auto of_source = coordinates_of(source);
+      const auto of_target = coordinates_of(target);
       for (std::size_t c = 0; c < kCoordinates; ++c) {
-        sources_[c].push_back(source[c]);
-        targets_[c].push_back(target[c]);
+        sources_[c].push_back(of_source[c]);
+        targets_[c].push_back(of_target[c]);
       }
+      sources_[kBest].push_back(along(best.of_source, source));
+      targets_[kBest].push_back(along(best.of_target, target) - best.offset);
     }
   }
+
+  // Along which a set of coordinates tells positions.
+  [[nodiscard]] std::vector<Eigen::Vector3f> directions(std::size_t bits) const {
+    std::vector<Eigen::Vector3f> result;
+    for (std::size_t c = 0; c < kCompared; ++c) {
+      if ((bits >> c & 1U) != 0 && !directions_[c].isZero()) result.push_back(directions_[c]);
+    }
+    return result;
+  }
+
+  [[nodiscard]] bool has_best() const { return !directions_[kBest].isZero(); }
 
   [[nodiscard]] SetCounts missed_rows() const {
     SetCounts counts{};
@@ -90,22 +126,53 @@ class Agreement {
       const std::size_t shift = 1 + s * (size - 1) / shifts;
       for (std::size_t row = 0; row < size; ++row) {
         const std::size_t other = row + shift < size ? row + shift : row + shift - size;
+        // Near misses of a true pose.
+        if (distance(source_point(view_, row), source_point(view_, other)) < near_) continue;
+        ++result.reached.trials;
         const std::size_t set = kept_by(row, other);
         ++result.kept[set];
         if (set + 1 == kSets) add_if_reached(row, other, matched, result.reached);
       }
     }
-    result.reached.trials = static_cast<double>(shifts * size);
     return result;
   }
 
  private:
+  // The position of the source along one direction and of the target along another whose difference varies least among
+  // the rows that the pose misses. In the source's frame; zero where the pose does not bring one direction to the
+  // other.
+  struct KeptBest {
+    Eigen::Vector3f of_source = Eigen::Vector3f::Zero();
+    Eigen::Vector3f of_target = Eigen::Vector3f::Zero();
+    float offset = 0.0F;  // of the target's position from the source's
+  };
+  [[nodiscard]] KeptBest kept_best() const {
+    using Vector6d = Eigen::Matrix<double, 6, 1>;
+    Vector6d sum = Vector6d::Zero();
+    Eigen::Matrix<double, 6, 6> scatter = Eigen::Matrix<double, 6, 6>::Zero();
+    double count = 0.0;
+    for (std::size_t row = 0; row < view_.size(); ++row) {
+      if (residual(row, row) < near_) continue;
+      const Point p = source_point(view_, row);
+      const Point q = moved_back(pose_, target_point(view_, row));
+      const Vector6d both{p.x, p.y, p.z, -q.x, -q.y, -q.z};
+      sum += both;
+      scatter += both * both.transpose();
+      ++count;
+    }
+    if (count <= kChosenFor) return {};
+    scatter -= sum * sum.transpose() / count;
+    const Vector6d least = Eigen::SelfAdjointEigenSolver<Eigen::Matrix<double, 6, 6>>(scatter).eigenvectors().col(0);
+    const Eigen::Vector3d of_source = least.head<3>().normalized();
+    const Eigen::Vector3d of_target = least.tail<3>().normalized();
+    if (!(of_source.dot(of_target) > kLean)) return {};
+    const double offset = -(of_source.dot(sum.head<3>()) + of_target.dot(sum.tail<3>())) / count;
+    return {of_source.cast<float>(), of_target.cast<float>(), static_cast<float>(offset)};
+  }
+
   void add_if_reached(std::size_t row, std::size_t other, const MatchedPoints& matched, PairingHits& hits) const {
     const double residual = this->residual(row, other);
-    if (residual >= static_cast<double>(limit_) ||
-        distance(source_point(view_, row), source_point(view_, other)) < near_ || matched.contains(view_, row, other)) {
-      return;
-    }
+    if (residual >= static_cast<double>(limit_) || matched.contains(view_, row, other)) return;
     for (std::size_t b = 0; b < kTestedBounds.size(); ++b) {
       hits.hits[b] += residual < kTestedBounds[b] * static_cast<double>(limit_) ? 1.0 : 0.0;
     }
@@ -117,7 +184,7 @@ class Agreement {
 
   [[nodiscard]] std::size_t kept_by(std::size_t source, std::size_t target) const {
     std::size_t set = 0;
-    for (std::size_t c = 0; c < kCoordinates; ++c) {
+    for (std::size_t c = 0; c < kCompared; ++c) {
       set |= static_cast<std::size_t>(std::abs(sources_[c][source] - targets_[c][target]) < limit_) << c;
     }
     return set;
@@ -127,30 +194,34 @@ class Agreement {
   const WorkingPose& pose_;
   float limit_;  // working frame
   double near_;
+  std::array<Eigen::Vector3f, kCompared> directions_;  // zero where a coordinate is no position along one
   Columns sources_;
   Columns targets_;
 };
 
 }  // namespace
 
-std::vector<Chances> kept_chances(const Correspondences& correspondences, const WorkingPose& pose, double noise_bound,
-                                  double reach, const Chances& at_random, const MatchedPoints& matched) {
+std::vector<KeptChances> kept_chances(const Correspondences& correspondences, const WorkingPose& pose,
+                                      double noise_bound, double reach, const Chances& at_random,
+                                      const MatchedPoints& matched) {
   const Agreement agreement(correspondences, pose, noise_bound, reach);
   const SetCounts missed = agreement.missed_rows();
   const double all = count_with(missed, 0);
   std::vector<std::size_t> kept_by_nearly_all;
+  const auto is_kept = [&](std::size_t bits) { return all > 0.0 && count_with(missed, bits) >= kNearlyAll * all; };
   for (const Kept& kept : kKept) {
-    const std::size_t bits = bits_of(kept);
-    if (all > 0.0 && count_with(missed, bits) >= kNearlyAll * all) kept_by_nearly_all.push_back(bits);
+    if (is_kept(bits_of(kept))) kept_by_nearly_all.push_back(bits_of(kept));
   }
-  std::vector<Chances> result;
+  if (agreement.has_best() && is_kept(kBestOnly)) kept_by_nearly_all.push_back(kBestOnly);
+  std::vector<KeptChances> result;
   if (kept_by_nearly_all.empty()) return result;
   const Agreement::Pairs pairs = agreement.pairs(matched);
   for (const std::size_t bits : kept_by_nearly_all) {
     const double rows = count_with(missed, bits);
     const double of_pairs = count_with(pairs.kept, bits);
     const double by_chance = chance(of_pairs, pairs.reached.trials);
-    if (log_binomial_tail(all, rows, by_chance) > elementary::log(kNothingKept)) continue;
+    const double chosen = bits == kBestOnly ? kChosenFor : 0.0;
+    if (log_binomial_tail(all - chosen, rows - chosen, by_chance) > elementary::log(kNothingKept)) continue;
     Chances chances = at_random;
     for (std::size_t b = 0; b < kTestedBounds.size(); ++b) {
       const double given_kept = correspondences.size() <= kFewCorrespondences
@@ -158,7 +229,7 @@ std::vector<Chances> kept_chances(const Correspondences& correspondences, const 
                                     : std::min(1.0, at_random.support[b] / by_chance);
       chances.support[b] = std::max(at_random.support[b], rows / all * given_kept);
     }
-    result.push_back(chances);
+    result.push_back({chances, agreement.directions(bits)});
   }
   return result;
 }

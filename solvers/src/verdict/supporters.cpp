@@ -54,7 +54,7 @@ class CountedPoints {
  private:
   // A little more than two, for rounding.
   static constexpr double kCellRadii = 2.001;
-  // The working frame is [-1, 1] across, two at most: its cells are fewer than fit in an integer of 64 bits.
+  // The working frame is [-1, 1] along, two at most: its cells are fewer than fit in an integer of 64 bits.
   static constexpr double kLeastCell = 1e-8;
   static constexpr std::size_t kSlotsPerPoint = 2;
   static constexpr std::uint32_t kNone = ~std::uint32_t{0};
@@ -73,7 +73,13 @@ class CountedPoints {
 
 }  // namespace
 
-Supports supports(const CorrespondenceView& view, const WorkingPose& pose, double noise_bound, double radius) {
+Supports supports(const CorrespondenceView& view, const WorkingPose& pose, double noise_bound, double radius,
+                  std::span<const Eigen::Vector3f> along) {
+  const auto place = [along](const Point& p) {
+    Eigen::Vector3f result(p.x, p.y, p.z);
+    for (const Eigen::Vector3f& direction : along) result -= direction.dot(result) * direction;
+    return Point{result.x(), result.y(), result.z()};
+  };
   std::vector<std::uint64_t> bits(kTestedBounds.size() * view.words());
   Supports result;
   for (std::size_t b = 0; b < kTestedBounds.size(); ++b) {
@@ -91,7 +97,7 @@ Supports supports(const CorrespondenceView& view, const WorkingPose& pose, doubl
       for (std::size_t b = 0; b < kTestedBounds.size(); ++b) {
         bounds = static_cast<BoundMask>(bounds | ((bits[b * view.words() + word] >> bit & 1U) << b));
       }
-      bounds = counted.count(source_point(view, word * kBlock + bit), bounds);
+      bounds = counted.count(place(source_point(view, word * kBlock + bit)), bounds);
       for (std::size_t b = 0; b < kTestedBounds.size(); ++b) {
         result[b].spread += static_cast<unsigned>(bounds) >> b & 1U;
       }

@@ -2,6 +2,9 @@
 #pragma once
 
 #include <array>
+#include <span>
+
+#include <Eigen/Core>
 
 #include <consimd/kernels/correspondences.hpp>
 #include <consimd/kernels/kernel_data.hpp>
@@ -20,8 +23,8 @@ struct Support {
 using Supports = std::array<Support, kTestedBounds.size()>;
 
 /// Counts those of `pose` at kTestedBounds times `noise_bound`, in time proportional to their number. noise_bound,
-/// radius: caller's unit.
+/// radius: caller's unit. `along`: directions, orthogonal to each other, along which a line is one place.
 [[nodiscard]] Supports supports(const CorrespondenceView& view, const WorkingPose& pose, double noise_bound,
-                                double radius);
+                                double radius, std::span<const Eigen::Vector3f> along = {});
 
 }  // namespace consimd::detail
