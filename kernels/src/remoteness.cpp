@@ -4,21 +4,34 @@
 #include <array>
 #include <cmath>
 #include <cstdint>
+#include <numeric>
+#include <utility>
 
 namespace consimd::detail {
 namespace {
 
 // Pairs of points whose distances tell the size of the bulk: with far rows in the minority, two points of four or more
-// pairs in ten are none. The tenth part of the distances is about a third of the median distance from the middle.
+// pairs in ten are none. Copies make the minority the majority of the rows, so the twentieth part of
+// the distances is looked at, which is about a quarter of the median distance from the middle.
 constexpr std::size_t kPairs = 64;
-constexpr std::size_t kClosePairs = kPairs / 10;
+constexpr std::size_t kClosePairs = kPairs / 20;
 constexpr double kStandsOut = 24.0;
 constexpr std::size_t kProvesNoPose = 3;  // places
+constexpr std::size_t kFewestThatAgree = 6;
 
 using Point = std::array<double, 3>;
 
 double distance(const Point& p, const Point& from) {
   return std::max({std::abs(p[0] - from[0]), std::abs(p[1] - from[1]), std::abs(p[2] - from[2])});
+}
+
+// Without overflow.
+double length(const Point& p, const Point& q) {
+  const double largest = distance(p, q);
+  if (!(largest > 0.0)) return 0.0;
+  double squares = 0.0;
+  for (std::size_t c = 0; c < 3; ++c) squares += (p[c] - q[c]) / largest * ((p[c] - q[c]) / largest);
+  return largest * std::sqrt(squares);
 }
 
 template <typename Points>
@@ -27,26 +40,29 @@ Point point(const Points& points, std::size_t i) {
 }
 
 double median(std::vector<double>& values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>((values.size() - 1) / 2);
   std::nth_element(values.begin(), middle, values.end());
   return *middle;
+}
+
+// The two of a pair of so many rows. They go through the rows by the powers of 1 / g, g^3 = g + 1, which meet no period
+// of the input and spread pairs evenly over all that there are. Were they always as far from one another, rows of one
+// kind that stand together would never be paired.
+std::pair<std::size_t, std::size_t> pair_of(std::uint64_t pair, std::size_t rows) {
+  const auto row = [rows](std::uint64_t fraction) { return static_cast<std::size_t>((fraction >> 32U) * rows >> 32U); };
+  const std::size_t first = row((pair + 1) * 0xC13FA9A902A6328FU);
+  const std::size_t second = row((pair + 1) * 0x91E10DA5C79E7B1DU);
+  return {first, first == second ? (second + 1) % rows : second};
 }
 
 // Whether the extent of a cloud is more than `times` the distance of its closer pairs.
 template <typename Points>
 bool may_stand_out(const Points& points, double extent, double times) {
   if (points.size < 4) return false;
-  // The two of a pair go through the rows by the powers of 1 / g, g^3 = g + 1, which meet no period of the input and
-  // spread pairs evenly over all that there are. Were they always as far from one another, rows of one kind that stand
-  // together would never be paired.
-  const auto row = [&](std::uint64_t fraction) {
-    return static_cast<std::size_t>((fraction >> 32U) * points.size >> 32U);
-  };
   std::array<double, kPairs> distances{};
   for (std::uint64_t pair = 0; pair < kPairs; ++pair) {
-    const std::size_t i = row((pair + 1) * 0xC13FA9A902A6328FU);
-    const std::size_t j = row((pair + 1) * 0x91E10DA5C79E7B1DU);
-    distances[pair] = distance(point(points, i), point(points, i == j ? (j + 1) % points.size : j));
+    const auto [i, j] = pair_of(pair, points.size);
+    distances[pair] = distance(point(points, i), point(points, j));
   }
   std::nth_element(distances.begin(), distances.begin() + kClosePairs, distances.end());
   return !(extent <= times * distances[kClosePairs]);
@@ -95,9 +111,14 @@ std::vector<Point> counted_points(const Points& points) {
   return counted;
 }
 
+// Distances of all points from the middle of `counted`, in median distances of these, `radius`.
+struct Remoteness {
+  std::vector<double> of_points;
+  double radius = 0.0;
+};
+
 template <typename Points>
-std::vector<double> remoteness_of(const Points& points) {
-  const std::vector<Point> counted = counted_points(points);
+Remoteness remoteness_from(const Points& points, const std::vector<Point>& counted) {
   Point middle{};
   std::vector<double> values(counted.size());
   for (std::size_t c = 0; c < 3; ++c) {
@@ -106,15 +127,126 @@ std::vector<double> remoteness_of(const Points& points) {
   }
   std::ranges::transform(counted, values.begin(), [&](const Point& p) { return distance(p, middle); });
   double radius = median(values);
-  std::vector<double> result(points.size, 0.0);
+  Remoteness result{std::vector<double>(points.size, 0.0), radius};
   if (radius == 0.0) {
     std::erase(values, 0.0);
     if (values.empty()) return result;
-    radius = median(values);
+    result.radius = radius = median(values);
   }
   // Most of the points being beyond double from one another is for the caller to refuse.
   if (!std::isfinite(radius)) return result;
-  for (std::size_t i = 0; i < points.size; ++i) result[i] = distance(point(points, i), middle) / radius;
+  for (std::size_t i = 0; i < points.size; ++i) {
+    result.of_points[i] = distance(point(points, i), middle) / radius;
+  }
+  return result;
+}
+
+template <typename Points>
+std::vector<Point> distinct_points(const Points& points) {
+  std::vector<Point> sorted(points.size);
+  for (std::size_t i = 0; i < points.size; ++i) sorted[i] = point(points, i);
+  std::sort(sorted.begin(), sorted.end());
+  sorted.erase(std::unique(sorted.begin(), sorted.end()), sorted.end());
+  return sorted;
+}
+
+std::vector<std::size_t> rows_where(const std::vector<double>& remote, bool in_bulk) {
+  std::vector<std::size_t> rows;
+  for (std::size_t i = 0; i < remote.size(); ++i) {
+    if ((remote[i] <= kBulk) == in_bulk) rows.push_back(i);
+  }
+  return rows;
+}
+
+// The rows without those whose point an earlier one has.
+template <typename Points>
+std::vector<std::size_t> of_different_points(const Points& points, std::vector<std::size_t> rows) {
+  std::ranges::stable_sort(rows, {}, [&](std::size_t row) { return point(points, row); });
+  const auto same = [&](std::size_t a, std::size_t b) { return point(points, a) == point(points, b); };
+  const auto copies = std::ranges::unique(rows, same);
+  rows.erase(copies.begin(), copies.end());
+  return rows;
+}
+
+// How many rows keep their distances from one another, told by some pairs: of n rows of which m do so a share of
+// (m / n)^2. Lengths agree that differ by less than a sixteenth, or a sixty-fourth, by which chance gives fewer;
+// mismatched ones tell how many. 0 where the pairs do not tell more than that.
+template <typename Points>
+double rows_that_agree(const Points& source, const Points& target, const std::vector<std::size_t>& all) {
+  // A value written for none is as far from all others in both clouds.
+  const std::vector<std::size_t> rows = of_different_points(target, of_different_points(source, all));
+  if (rows.size() < kFewestThatAgree) return 0.0;
+  constexpr std::size_t kLengths = 256;
+  constexpr std::array kAgree{1.0 / 16.0, 1.0 / 64.0};
+  constexpr double kDeviations = 3.0;
+  constexpr double kShort = 1.0 / 1024.0;
+  std::array<double, kLengths> of_source{};
+  std::array<double, kLengths> of_target{};
+  for (std::uint64_t pair = 0; pair < kLengths; ++pair) {
+    const auto [first, second] = pair_of(pair, rows.size());
+    of_source[pair] = length(point(source, rows[first]), point(source, rows[second]));
+    of_target[pair] = length(point(target, rows[first]), point(target, rows[second]));
+  }
+  // Next to the others shorter ones are in one place.
+  const double least = kShort * std::max(std::ranges::max(of_source), std::ranges::max(of_target));
+  double most = 0.0;
+  for (const double tolerance : kAgree) {
+    const auto alike = [&](double a, double b) {
+      return std::max(a, b) > least && std::abs(a - b) < tolerance * std::max(a, b);
+    };
+    double agree = 0.0;
+    double by_chance = 0.0;
+    for (std::size_t k = 0; k < kLengths; ++k) {
+      agree += alike(of_source[k], of_target[k]) ? 1.0 : 0.0;
+      by_chance += alike(of_source[k], of_target[(k + 1) % kLengths]) ? 1.0 : 0.0;
+    }
+    const double more = agree - by_chance;
+    if (more > kDeviations * std::sqrt(agree + by_chance)) most = std::max(most, more);
+  }
+  return static_cast<double>(rows.size()) * std::sqrt(most / static_cast<double>(kLengths));
+}
+
+// Of rows, by the one of their points that is the more remote, and the radii of both clouds.
+struct RowRemoteness {
+  std::vector<double> of_rows;
+  double of_source = 0.0;
+  double of_target = 0.0;
+};
+
+template <typename Points>
+RowRemoteness remoteness_of_rows(const Points& source, const std::vector<Point>& of_source, const Points& target,
+                                 const std::vector<Point>& of_target) {
+  Remoteness rows = remoteness_from(source, of_source);
+  const Remoteness others = remoteness_from(target, of_target);
+  for (std::size_t i = 0; i < rows.of_points.size(); ++i) {
+    rows.of_points[i] = std::max(rows.of_points[i], others.of_points[i]);
+  }
+  return {std::move(rows.of_points), rows.radius, others.radius};
+}
+
+// Some of the rows, no two of which have both their sources and their targets in one place, as large as those that most
+// points are in.
+template <typename Points>
+std::vector<std::size_t> places_of(const Points& source, const Points& target, const std::vector<std::size_t>& rows,
+                                   const RowRemoteness& bulk) {
+  constexpr std::size_t kMost = 1024;
+  constexpr double kRadii = 8.0;
+  std::vector<std::size_t> kept;
+  for (std::size_t k = 0; k < std::min(rows.size(), kMost); ++k) {
+    const std::size_t row = rows[k * rows.size() / std::min(rows.size(), kMost)];
+    const auto is_beside = [&](std::size_t other) {
+      return distance(point(source, row), point(source, other)) < kRadii * bulk.of_source &&
+             distance(point(target, row), point(target, other)) < kRadii * bulk.of_target;
+    };
+    if (std::ranges::none_of(kept, is_beside)) kept.push_back(row);
+  }
+  return kept;
+}
+
+template <typename Points>
+std::vector<Point> points_of(const Points& points, const std::vector<std::size_t>& rows) {
+  std::vector<Point> result(rows.size());
+  std::ranges::transform(rows, result.begin(), [&](std::size_t row) { return point(points, row); });
   return result;
 }
 
@@ -124,9 +256,27 @@ template <typename T>
 std::vector<double> remoteness(const PointSpan<T>& source, double source_extent, const PointSpan<T>& target,
                                double target_extent) {
   if (!may_stand_out(source, source_extent, kStandsOut) && !may_stand_out(target, target_extent, kStandsOut)) return {};
-  std::vector<double> rows = remoteness_of(source);
-  const std::vector<double> of_target = remoteness_of(target);
-  for (std::size_t i = 0; i < rows.size(); ++i) rows[i] = std::max(rows[i], of_target[i]);
+  const RowRemoteness bulk = remoteness_of_rows(source, counted_points(source), target, counted_points(target));
+  std::vector<double> rows = bulk.of_rows;
+  // Where most points are need not be where the rows tell of a motion: a few targets seen in most rows, a little
+  // elsewhere in each, a coordinate that is lost in most, far rows that are copied. Then the rows elsewhere keep their
+  // distances.
+  double agree = rows_that_agree(source, target, rows_where(rows, true));
+  const auto offer = [&](std::vector<double> other, std::vector<std::size_t> told_by) {
+    std::erase_if(told_by, [&](std::size_t row) { return other[row] > kBulk; });
+    const double of_other = rows_that_agree(source, target, told_by);
+    if (of_other <= agree) return;
+    agree = of_other;
+    rows = std::move(other);
+  };
+  std::vector<std::size_t> all(rows.size());
+  std::iota(all.begin(), all.end(), std::size_t{0});
+  offer(remoteness_of_rows(source, distinct_points(source), target, distinct_points(target)).of_rows, std::move(all));
+  const std::vector<std::size_t> elsewhere = rows_where(bulk.of_rows, false);
+  for (const auto& places : {elsewhere, places_of(source, target, elsewhere, bulk)}) {
+    if (places.size() < kFewestThatAgree) continue;
+    offer(remoteness_of_rows(source, points_of(source, places), target, points_of(target, places)).of_rows, places);
+  }
   if (std::ranges::all_of(rows, [](double value) { return value <= kBulk; })) rows.clear();
   return rows;
 }
@@ -135,7 +285,7 @@ template <typename T>
 std::vector<double> remoteness(const ChosenPoints<T>& points, double extent) {
   // Closer pairs are at a third of the median distance; at a quarter there is room for their scatter.
   if (!may_stand_out(points, extent, kFarOfCloud / 4.0)) return {};
-  std::vector<double> rows = remoteness_of(points);
+  std::vector<double> rows = remoteness_from(points, counted_points(points)).of_points;
   const auto far =
       static_cast<std::size_t>(std::ranges::count_if(rows, [](double value) { return !(value <= kFarOfCloud); }));
   if (far == 0 || 10 * far > rows.size()) rows.clear();

@@ -19,9 +19,11 @@ inline constexpr double kFar = 256.0;
 /// The distance of each row's source or target, whichever is more remote, from the middle of its cloud (coordinate by
 /// coordinate the median), in median distances: the half of the points that are close count, at any distance of the
 /// others. Distances are largest coordinate differences. A point with three equal coordinates, the "no value" of many
-/// rows, counts once, and so do up to three places that half of the other rows of a cloud have. Empty where no row is
-/// beyond kBulk, as far as a look at some pairs and at `source_extent` and `target_extent`, the largest distances from
-/// the centroids, tells: at ordinary data nothing else is looked at.
+/// rows, counts once, and so do up to three places that half of the other rows of a cloud have. Where other rows keep
+/// their distances from one another and these do not, or fewer of them, the middles and the median distances are of the
+/// others: of all rows without their copies, of those beyond kBulk, or of the places that these are in. Empty where no
+/// row is beyond kBulk, as far as a look at some pairs and at `source_extent` and `target_extent`, the largest
+/// distances from the centroids, tells: at ordinary data nothing else is looked at.
 template <typename T>
 std::vector<double> remoteness(const PointSpan<T>& source, double source_extent, const PointSpan<T>& target,
                                double target_extent);

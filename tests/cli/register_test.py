@@ -283,7 +283,7 @@ class Register(CommandTest):
         self.assertIn("scale of 1000: see --estimate-scale", notes([[x / 1000 for x in row[:3]] + row[3:] for row in rows]))
         self.assertIn("a mirror image fits", notes([[-row[0], *row[1:]] for row in rows]))
         far = notes([*rows, [1e9, 0, 0, 1, 2, 3]], code=0)
-        self.assertIn("1 row lies far from all others and count as outliers: row 400", far)
+        self.assertIn("1 row lies far from all others and counts as an outlier: row 400", far)
         inverse = json.loads(self.run_command("register", file, "--noise-bound", 0.3, "--json", "-"))
         rotation = [row[:3] for row in inverse["runs"][0]["T_target_source"][:3]]
         shift = [row[3] for row in inverse["runs"][0]["T_target_source"][:3]]

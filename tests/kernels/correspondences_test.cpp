@@ -261,13 +261,72 @@ TEST(Correspondences, TheTargetsOfABoardAreTheBulkBesideFewerFarRows) {
     std::vector<double> p;
     for (std::size_t frame = 0; frame < kFrames; ++frame) p.insert(p.end(), board.begin(), board.end());
     const std::size_t far = targets * kFrames / 2;
+    std::vector<double> q = p;
     for (const double value : any_points(far, 10.0, 1e6, 11)) p.push_back(value);
+    for (const double value : any_points(far, 10.0, 1e6, 12)) q.push_back(value);
     const std::size_t rows = targets * kFrames + far;
     const Correspondences all(PointSpan<double>::interleaved(p.data(), rows),
-                              PointSpan<double>::interleaved(p.data(), rows));
+                              PointSpan<double>::interleaved(q.data(), rows));
     ASSERT_EQ(all.far_rows().size(), far) << targets;
     EXPECT_EQ(all.far_rows().front(), targets * kFrames);
   }
+}
+
+// Most rows may tell of nothing: the frame is that of those that keep their distances.
+class RowsElsewhere : public ::testing::TestWithParam<std::size_t> {
+ protected:
+  static constexpr std::size_t kRows = 30;
+
+  // Twenty rows that keep their distances and ten others, and then as many as wanted.
+  RowsElsewhere() : p(any_points(kRows + GetParam(), 3.0, 1.0, 13)), q(p) {
+    const std::vector<double> other = any_points(kRows + GetParam(), 3.0, 1.0, 14);
+    std::copy(other.begin() + 60, other.end(), q.begin() + 60);
+  }
+  [[nodiscard]] Correspondences correspondences() const {
+    return {PointSpan<double>::interleaved(p.data(), p.size() / 3),
+            PointSpan<double>::interleaved(q.data(), q.size() / 3)};
+  }
+  // All further rows.
+  void for_each_coordinate(const auto& change) {
+    for (std::size_t k = 3 * kRows; k < p.size(); ++k) change(k);
+  }
+
+  std::vector<double> p;
+  std::vector<double> q;
+};
+INSTANTIATE_TEST_SUITE_P(Numbers, RowsElsewhere, ::testing::Values(29, 31, 60, 300));
+
+TEST_P(RowsElsewhere, MakeTheFrameBesideOnePlaceALittleElsewhereInEachRow) {
+  for_each_coordinate([&](std::size_t k) {
+    p[k] = p[k % 3] + 1e-4 * p[k];
+    q[k] = q[60 + k % 3] + 1e-4 * q[k];
+  });
+  EXPECT_TRUE(correspondences().far_rows().empty());
+}
+
+TEST_P(RowsElsewhere, MakeTheFrameBesideOneFarPlace) {
+  for_each_coordinate([&](std::size_t k) { p[k] = 1e6 + 1e-4 * p[k]; });
+  const Correspondences all = correspondences();
+  ASSERT_EQ(all.far_rows().size(), GetParam());
+  EXPECT_EQ(all.far_rows().front(), kRows);
+}
+
+TEST_P(RowsElsewhere, MakeTheFrameWhereACoordinateIsLost) {
+  for_each_coordinate([&](std::size_t k) {
+    if (k % 3 == 2) q[k] = -9999.0;
+  });
+  EXPECT_EQ(correspondences().far_rows().size(), GetParam());
+}
+
+TEST_P(RowsElsewhere, MakeTheFrameBesideCopiesOfFarRows) {
+  constexpr std::size_t kFar = 15;
+  if (GetParam() > 3 * kFar) GTEST_SKIP() << "more copies than look like anything but the bulk";
+  for_each_coordinate([&](std::size_t k) {
+    const std::size_t first = 3 * kRows + k % (3 * kFar);
+    p[k] = k == first ? 1e6 * p[k] : p[first];
+    q[k] = k == first ? 1e6 * q[k] : q[first];
+  });
+  EXPECT_EQ(correspondences().far_rows().size(), GetParam());
 }
 
 }  // namespace

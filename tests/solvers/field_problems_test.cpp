@@ -188,6 +188,67 @@ Problem forty_rows_and_more_without_depth(std::uint64_t trial) {
   return synth::with_rows_without_depth(forty_rows(trial), 40 + trial % 120, 1, trial);
 }
 
+/// One to three wrong matches that 30 to 120 frames have again, each a little elsewhere in either cloud.
+Problem forty_rows_and_recurring_places(std::uint64_t trial) {
+  std::mt19937_64 random(trial);
+  std::normal_distribution<double> jitter(0.0, 0.005);
+  Problem problem = forty_rows(trial);
+  std::size_t place = 0;
+  for (std::uint64_t k = 0; k <= trial % 3; ++k) {
+    while (problem.is_inlier[place] != 0) ++place;
+    for (std::uint64_t frame = 0; frame < 30 + random() % 90; ++frame) {
+      for (std::size_t axis = 0; axis < 3; ++axis) {
+        problem.source.push_back(problem.source[3 * place + axis] + jitter(random));
+        problem.target.push_back(problem.target[3 * place + axis] + jitter(random));
+      }
+      problem.is_inlier.push_back(0);
+    }
+    ++place;
+  }
+  return problem;
+}
+
+/// Twenty rows up to 1e4 to 1e9 away, two or three times each.
+Problem forty_rows_and_copied_far_ones(std::uint64_t trial) {
+  const Problem bare = forty_rows(trial);
+  const Problem problem = synth::with_far_rows(
+      bare,
+      {.rows = 20, .distance = std::array{1e4, 1e6, 1e9}[trial % 3], .side = kSides[trial / 3 % 3], .trial = trial});
+  Problem copied = problem;
+  std::size_t next = 0;
+  for (std::size_t k = 0; k < problem.size(); ++k) {
+    if (next < bare.size() && source_point(problem, k) == source_point(bare, next) &&
+        target_point(problem, k) == target_point(bare, next)) {
+      ++next;
+      continue;
+    }
+    for (std::uint64_t copy = 0; copy <= trial % 2; ++copy) {
+      copied.source.insert(copied.source.end(), &problem.source[3 * k], &problem.source[3 * k] + 3);
+      copied.target.insert(copied.target.end(), &problem.target[3 * k], &problem.target[3 * k] + 3);
+      copied.is_inlier.push_back(0);
+    }
+  }
+  return copied;
+}
+
+/// Up to twice as many rows of which one coordinate of one cloud is a value for none.
+Problem forty_rows_and_more_without_a_coordinate(std::uint64_t trial) {
+  std::mt19937_64 random(trial);
+  std::uniform_real_distribution<double> coordinate(-50.0, 50.0);
+  const double value = std::array{-9999.0, 65535.0, 1e10}[trial % 3];
+  Problem problem = forty_rows(trial);
+  std::vector<double>& cloud = trial % 2 == 0 ? problem.source : problem.target;
+  for (std::uint64_t row = 20 + random() % 60; row > 0; --row) {
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      problem.source.push_back(coordinate(random));
+      problem.target.push_back(coordinate(random));
+    }
+    cloud.back() = value;
+    problem.is_inlier.push_back(0);
+  }
+  return problem;
+}
+
 Problem targets(std::uint64_t trial, std::size_t frames, bool copied) {
   return synth::repeated_targets(
       {.targets = 10 + trial % 10, .frames = frames, .blunders = 0.2, .copied = copied, .trial = trial});
@@ -255,6 +316,9 @@ INSTANTIATE_TEST_SUITE_P(
                       Nuisance{"most_rows_without_either_value", forty_rows, forty_rows_and_more_without_either_value,
                                0.05, 0.05},
                       Nuisance{"many_no_values", forty_rows, forty_rows_and_many_no_values, 0.05, 0.05},
+                      Nuisance{"recurring_places", forty_rows, forty_rows_and_recurring_places, 0.05, 0.05},
+                      Nuisance{"copied_far_rows", forty_rows, forty_rows_and_copied_far_ones, 0.05, 0.05},
+                      Nuisance{"a_coordinate_lost", forty_rows, forty_rows_and_more_without_a_coordinate, 0.05, 0.05},
                       Nuisance{"copies", targets_once, targets_copied, 0.05, 0.05},
                       Nuisance{"targets_in_frames", targets_once, targets_measured_again, 0.05, 0.05},
                       Nuisance{"all_to_all", known_landmarks, landmarks, 0.3, 0.3},

@@ -106,8 +106,8 @@ std::vector<std::string> advice(const Correspondences& correspondences, const Re
   std::vector<std::string> sentences;
   const auto far = correspondences.far_rows();
   if (!far.empty()) {
-    sentences.push_back(sentence(far.size(), far.size() == 1 ? " row lies" : " rows lie",
-                                 " far from all others and count as outliers: row ", far.front(),
+    sentences.push_back(sentence(far.size(), far.size() == 1 ? " row lies" : " rows lie", " far from all others and ",
+                                 far.size() == 1 ? "counts as an outlier" : "count as outliers", ": row ", far.front(),
                                  far.size() == 1 ? "" : " is the first", " (from 0)"));
   }
   if (result.noise_bound > result.noise_bound_asked) {

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numeric>
+#include <stdexcept>
 #include <string>
 
 #include <Eigen/Core>
@@ -165,9 +166,9 @@ std::string_view to_string(PointGeometry geometry) noexcept {
 
 AssumedInliers register_assumed_inliers(const Correspondences& correspondences) {
   if (!correspondences.far_rows().empty()) {
-    detail::reject_option("row", correspondences.far_rows().front(),
-                          "to be as right as all others, but it lies hundreds of times the extent of the others away: "
-                          "remove it");
+    throw std::invalid_argument("row " + std::to_string(correspondences.far_rows().front()) +
+                                " lies hundreds of times the extent of the others away, expected all rows to be right: "
+                                "remove it");
   }
   detail::require_usable_unit(correspondences);
   AssumedInliers result;

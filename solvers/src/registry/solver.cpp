@@ -8,8 +8,10 @@
 
 #include "call/refusal.hpp"
 #include "call/stage_clock.hpp"
+#include "noise_bound/bound_attempts.hpp"
 #include "noise_bound/bound_search.hpp"
 #include "registry/filtered_registration.hpp"
+#include "support/independent_rows.hpp"
 #include "verdict/another_scale.hpp"
 #include "verdict/distortion.hpp"
 
@@ -92,6 +94,11 @@ void refuse_by_its_bound(const Correspondences& correspondences, Registration& r
   }
 }
 
+// Also where what most rows agree on is one place, seen again and again.
+bool found_nothing(const Registration& result) {
+  return result.status == Status::no_consensus || result.status == Status::degenerate_geometry;
+}
+
 // Rows that stand for all of them, registered where all of them have told nothing.
 void try_independent_rows(const SolverCall& solver, const Correspondences& correspondences,
                           const SolverOptions& options, StageReport& estimation, Registration& result) {
@@ -113,9 +120,30 @@ void try_independent_rows(const SolverCall& solver, const Correspondences& corre
   fall_back_on(std::move(other), result);
 }
 
+// The same at a noise bound that is given. Among many rows only where most of them recur: all of them have told where
+// others outnumber those.
+void try_independent_rows_at(double noise_bound, const SolverCall& solver, const Correspondences& correspondences,
+                             const SolverOptions& options, Registration& result) {
+  const std::vector<std::uint32_t> rows = detail::rows_for_another_search(correspondences.view(), noise_bound);
+  const bool most_recur = 3 * rows.size() <= correspondences.size();
+  if (rows.empty() || !(most_recur || correspondences.size() <= detail::kFewRows)) return;
+  constexpr std::uint32_t kTries = 2;
+  Registration other = run(solver, correspondences.subset(rows), noise_bound, kTries, options);
+  result.stopped = other.stopped;
+  detail::bring_to_all_rows(correspondences, other);
+  if (!other.has_pose()) result.seconds += other.seconds;
+  fall_back_on(std::move(other), result);
+}
+
 Registration register_in_arena(const SolverCall& solver, const Correspondences& correspondences,
                                const SolverOptions& options) {
-  if (options.noise_bound) return run(solver, correspondences, *options.noise_bound, 1, options);
+  if (options.noise_bound) {
+    Registration result = run(solver, correspondences, *options.noise_bound, 1, options);
+    if (found_nothing(result) && !result.stopped) {
+      try_independent_rows_at(result.noise_bound, solver, correspondences, options, result);
+    }
+    return result;
+  }
   StageReport estimation{detail::kNoiseBoundStage, correspondences.size(), 0, 0, 0.0};
   detail::BoundSearch found;
   {
@@ -128,7 +156,7 @@ Registration register_in_arena(const SolverCall& solver, const Correspondences& 
     fall_back_on(detail::register_tried_poses(correspondences, found, options.seed), result);
   }
   refuse_by_its_bound(correspondences, result);
-  if (result.status == Status::no_consensus && !result.stopped) {
+  if (found_nothing(result) && !result.stopped) {
     try_independent_rows(solver, correspondences, options, estimation, result);
   }
   estimation.output = result.inliers.size();
