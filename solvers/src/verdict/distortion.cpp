@@ -22,10 +22,12 @@ constexpr std::size_t kLeastSupporters = 8;
 // A distortion that changes lengths by less: residuals of exact data are rounding, which anything may explain.
 constexpr double kLeastDistortion = 1e-3;
 // A variance of the sources along an axis below this share of the largest is rounding: they are flat. So are those
-// whose thickness the map takes away but for this share: noise in depth of a board, which its targets do not have. A
-// map that turns it over, and explains what the motion leaves, is a reflection.
+// whose thickness the map takes away but for this share: noise in depth of a board, which its targets do not have.
 constexpr double kFlat = 1e-9;
 constexpr double kThicknessLeft = 0.3;
+// A thickness that is turned over by so many deviations is that of a mirror image: of a board, whose thickness is
+// noise, once in thirty thousand times.
+constexpr double kDeviations = 4.0;
 
 // Moved sources and what they miss their targets by, working frame.
 struct Residuals {
@@ -50,9 +52,10 @@ Residuals sources_and_errors(const CorrespondenceView& view, const RigidTransfor
 
 // What two kinds of maps leave of the residuals of supporters.
 struct AffineShare {
-  double rigid = 0.0;       // variance of the residuals about a motion
-  double affine = 0.0;      // and about an affine map
-  double distortion = 0.0;  // largest share by which that changes a length, if by little
+  double rigid = 0.0;           // variance of the residuals about a motion
+  double affine = 0.0;          // and about an affine map
+  double distortion = 0.0;      // largest share by which that changes a length, if by little
+  bool is_turned_over = false;  // along the axis in which the sources are thinnest
 };
 
 AffineShare shares(const Residuals& supporters) {
@@ -69,10 +72,11 @@ AffineShare shares(const Residuals& supporters) {
   const Eigen::Matrix3d& axes = principal.eigenvectors();
   const Eigen::Matrix3d along = axes.transpose() * moments * axes;
   const double thickness_left = 1.0 + along(0, 0) / variances[0];
-  const double off_plane = (e * axes.col(0)).squaredNorm();
-  const bool turned_over = thickness_left < kThicknessLeft - 1.0 &&
-                           off_plane - along(0, 0) * along(0, 0) / variances[0] < kHalvesTheBound * off_plane;
-  const bool is_flat = !(variances[0] > kFlat * variances[2]) || (thickness_left < kThicknessLeft && !turned_over);
+  const double unexplained = (e * axes.col(0)).squaredNorm() - along(0, 0) * along(0, 0) / variances[0];
+  result.is_turned_over =
+      thickness_left < -kThicknessLeft &&
+      thickness_left * thickness_left * variances[0] * (size - 2.0) > kDeviations * kDeviations * unexplained;
+  const bool is_flat = !(variances[0] > kFlat * variances[2]) || thickness_left < kThicknessLeft;
   const int dimensions = is_flat ? 2 : 3;
   Eigen::Matrix3d map = Eigen::Matrix3d::Zero();
   double explained = 0.0;
@@ -104,7 +108,7 @@ bool hides_a_distortion(const Correspondences& correspondences, const RigidTrans
   const std::vector<std::uint32_t> rows = pose_inliers(view, to_working_pose(pose), noise_bound);
   if (rows.size() < kLeastSupporters) return false;
   const AffineShare share = shares(sources_and_errors(view, pose, rows));
-  return share.distortion > kLeastDistortion && share.affine < kHalvesTheBound * share.rigid;
+  return share.is_turned_over || (share.distortion > kLeastDistortion && share.affine < kHalvesTheBound * share.rigid);
 }
 
 }  // namespace consimd::detail
