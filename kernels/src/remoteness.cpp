@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <cstdint>
+#include <limits>
 #include <numeric>
 #include <utility>
 
@@ -11,13 +12,27 @@ namespace consimd::detail {
 namespace {
 
 // Pairs of points whose distances tell the size of the bulk: with far rows in the minority, two points of four or more
-// pairs in ten are none. Copies make the minority the majority of the rows, so the twentieth part of
-// the distances is looked at, which is about a quarter of the median distance from the middle.
+// pairs in ten are none. Copies make the minority the majority of the rows, so the twentieth part of the distances is
+// looked at, which is about a quarter of the median distance from the middle.
 constexpr std::size_t kPairs = 64;
 constexpr std::size_t kClosePairs = kPairs / 20;
 constexpr double kStandsOut = 24.0;
 constexpr std::size_t kProvesNoPose = 3;  // places
+
+// A frame by the rows that keep their distances. Half a dozen do so by chance where others are told by one pair in
+// fifteen, eight hardly ever.
 constexpr std::size_t kFewestThatAgree = 6;
+constexpr double kShowsAFrame = 8.0;
+// Lengths that are compared, enough to tell a share of one row in fifteen, and within what. Noise is more than a
+// sixty-fourth of the lengths in some data, and chance gives fewer agreements there.
+constexpr std::size_t kLengths = 8192;
+constexpr std::array kAgree{1.0 / 16.0, 1.0 / 64.0};
+constexpr double kDeviations = 3.0;
+// Points closer than this share of the largest distance are in one place, of so many at most that are compared.
+constexpr double kOnePlace = 1.0 / 1024.0;
+constexpr std::size_t kMostPlaces = 1024;
+// What a place of the bulk is as large as, in the median distances of a place seen again and again.
+constexpr double kRadii = 8.0;
 
 using Point = std::array<double, 3>;
 
@@ -25,13 +40,15 @@ double distance(const Point& p, const Point& from) {
   return std::max({std::abs(p[0] - from[0]), std::abs(p[1] - from[1]), std::abs(p[2] - from[2])});
 }
 
-// Without overflow.
-double length(const Point& p, const Point& q) {
-  const double largest = distance(p, q);
+// Half of the Euclidean distance, which no two points overflow.
+double half_length(const Point& p, const Point& q) {
+  Point half{};
+  for (std::size_t c = 0; c < 3; ++c) half[c] = 0.5 * p[c] - 0.5 * q[c];
+  const double largest = distance(half, {});
   if (!(largest > 0.0)) return 0.0;
   double squares = 0.0;
-  for (std::size_t c = 0; c < 3; ++c) squares += (p[c] - q[c]) / largest * ((p[c] - q[c]) / largest);
-  return largest * std::sqrt(squares);
+  for (const double x : half) squares += x / largest * (x / largest);
+  return std::min(largest * std::sqrt(squares), std::numeric_limits<double>::max());
 }
 
 template <typename Points>
@@ -168,42 +185,88 @@ std::vector<std::size_t> of_different_points(const Points& points, std::vector<s
   return rows;
 }
 
-// How many rows keep their distances from one another, told by some pairs: of n rows of which m do so a share of
-// (m / n)^2. Lengths agree that differ by less than a sixteenth, or a sixty-fourth, by which chance gives fewer;
-// mismatched ones tell how many. 0 where the pairs do not tell more than that.
+// Some of the rows, no two of which have both their sources and their targets in one place, so large in either cloud.
 template <typename Points>
-double rows_that_agree(const Points& source, const Points& target, const std::vector<std::size_t>& all) {
-  // A value written for none is as far from all others in both clouds.
-  const std::vector<std::size_t> rows = of_different_points(target, of_different_points(source, all));
-  if (rows.size() < kFewestThatAgree) return 0.0;
-  constexpr std::size_t kLengths = 256;
-  constexpr std::array kAgree{1.0 / 16.0, 1.0 / 64.0};
-  constexpr double kDeviations = 3.0;
-  constexpr double kShort = 1.0 / 1024.0;
-  std::array<double, kLengths> of_source{};
-  std::array<double, kLengths> of_target{};
-  for (std::uint64_t pair = 0; pair < kLengths; ++pair) {
-    const auto [first, second] = pair_of(pair, rows.size());
-    of_source[pair] = length(point(source, rows[first]), point(source, rows[second]));
-    of_target[pair] = length(point(target, rows[first]), point(target, rows[second]));
+std::vector<std::size_t> places_of(const Points& source, const Points& target, const std::vector<std::size_t>& rows,
+                                   double of_source, double of_target) {
+  const std::size_t some = std::min(rows.size(), kMostPlaces);
+  std::vector<std::size_t> kept;
+  for (std::size_t k = 0; k < some; ++k) {
+    const std::size_t row = rows[k * rows.size() / some];
+    const auto is_beside = [&](std::size_t other) {
+      return distance(point(source, row), point(source, other)) <= of_source &&
+             distance(point(target, row), point(target, other)) <= of_target;
+    };
+    if (std::ranges::none_of(kept, is_beside)) kept.push_back(row);
   }
-  // Next to the others shorter ones are in one place.
-  const double least = kShort * std::max(std::ranges::max(of_source), std::ranges::max(of_target));
+  return kept;
+}
+
+// How many places keep their distances from one another: at least, if that shows, and at most.
+struct Agreement {
+  double shown = 0.0;
   double most = 0.0;
+};
+
+// Told by the pairs of places, or some of them: of n places of which m keep their distances a share of (m / n)^2 does.
+// Mismatched lengths tell what chance gives. Copies are one place, and so is a value written for none, which is as far
+// from all others in both clouds.
+template <typename Points>
+Agreement agreement(const Points& source, const Points& target, const std::vector<std::size_t>& rows) {
+  const std::vector<std::size_t> different = of_different_points(target, of_different_points(source, rows));
+  double extent_of_source = 0.0;
+  double extent_of_target = 0.0;
+  for (const std::size_t row : different) {
+    extent_of_source = std::max(extent_of_source, half_length(point(source, row), point(source, different.front())));
+    extent_of_target = std::max(extent_of_target, half_length(point(target, row), point(target, different.front())));
+  }
+  const std::vector<std::size_t> places =
+      places_of(source, target, different, kOnePlace * extent_of_source, kOnePlace * extent_of_target);
+  if (places.size() < kFewestThatAgree) return {};
+  std::vector<double> of_source;
+  std::vector<double> of_target;
+  const auto add = [&](std::size_t first, std::size_t second) {
+    of_source.push_back(half_length(point(source, places[first]), point(source, places[second])));
+    of_target.push_back(half_length(point(target, places[first]), point(target, places[second])));
+  };
+  const std::size_t all = places.size() * (places.size() - 1) / 2;
+  if (all <= kLengths) {
+    for (std::size_t first = 0; first < places.size(); ++first) {
+      for (std::size_t second = 0; second < first; ++second) add(first, second);
+    }
+  } else {
+    for (std::uint64_t pair = 0; pair < kLengths; ++pair) {
+      const auto [first, second] = pair_of(pair, places.size());
+      add(first, second);
+    }
+  }
+  const std::size_t lengths = of_source.size();
+  // Next to the others shorter ones are in one place.
+  const double least = kOnePlace * std::max(std::ranges::max(of_source), std::ranges::max(of_target));
+  const double number = static_cast<double>(different.size()) /
+                        static_cast<double>(std::min(different.size(), kMostPlaces)) *
+                        static_cast<double>(places.size());
+  Agreement result{0.0, number};
   for (const double tolerance : kAgree) {
     const auto alike = [&](double a, double b) {
       return std::max(a, b) > least && std::abs(a - b) < tolerance * std::max(a, b);
     };
     double agree = 0.0;
     double by_chance = 0.0;
-    for (std::size_t k = 0; k < kLengths; ++k) {
+    for (std::size_t k = 0; k < lengths; ++k) {
       agree += alike(of_source[k], of_target[k]) ? 1.0 : 0.0;
-      by_chance += alike(of_source[k], of_target[(k + 1) % kLengths]) ? 1.0 : 0.0;
+      by_chance += alike(of_source[k], of_target[(k + lengths / 2) % lengths]) ? 1.0 : 0.0;
     }
     const double more = agree - by_chance;
-    if (more > kDeviations * std::sqrt(agree + by_chance)) most = std::max(most, more);
+    const double error = kDeviations * std::sqrt(agree + by_chance);
+    const auto rows_for = [&](double pairs) {
+      return number * std::sqrt(std::max(pairs, 0.0) / static_cast<double>(lengths));
+    };
+    if (more > error) result.shown = std::max(result.shown, rows_for(more));
+    result.most = std::min(result.most, rows_for(more + error));
   }
-  return static_cast<double>(rows.size()) * std::sqrt(most / static_cast<double>(kLengths));
+  result.most = std::max(result.most, result.shown);
+  return result;
 }
 
 // Of rows, by the one of their points that is the more remote, and the radii of both clouds.
@@ -224,25 +287,6 @@ RowRemoteness remoteness_of_rows(const Points& source, const std::vector<Point>&
   return {std::move(rows.of_points), rows.radius, others.radius};
 }
 
-// Some of the rows, no two of which have both their sources and their targets in one place, as large as those that most
-// points are in.
-template <typename Points>
-std::vector<std::size_t> places_of(const Points& source, const Points& target, const std::vector<std::size_t>& rows,
-                                   const RowRemoteness& bulk) {
-  constexpr std::size_t kMost = 1024;
-  constexpr double kRadii = 8.0;
-  std::vector<std::size_t> kept;
-  for (std::size_t k = 0; k < std::min(rows.size(), kMost); ++k) {
-    const std::size_t row = rows[k * rows.size() / std::min(rows.size(), kMost)];
-    const auto is_beside = [&](std::size_t other) {
-      return distance(point(source, row), point(source, other)) < kRadii * bulk.of_source &&
-             distance(point(target, row), point(target, other)) < kRadii * bulk.of_target;
-    };
-    if (std::ranges::none_of(kept, is_beside)) kept.push_back(row);
-  }
-  return kept;
-}
-
 template <typename Points>
 std::vector<Point> points_of(const Points& points, const std::vector<std::size_t>& rows) {
   std::vector<Point> result(rows.size());
@@ -259,31 +303,34 @@ std::vector<double> remoteness(const PointSpan<T>& source, double source_extent,
   const RowRemoteness bulk = remoteness_of_rows(source, counted_points(source), target, counted_points(target));
   std::vector<double> rows = bulk.of_rows;
   // Where most points are need not be where the rows tell of a motion: a few targets seen in most rows, a little
-  // elsewhere in each, a coordinate that is lost in most, far rows that are copied. Then the rows elsewhere keep their
-  // distances.
-  double agree = rows_that_agree(source, target, rows_where(rows, true));
-  const auto offer = [&](std::vector<double> other, std::vector<std::size_t> told_by) {
-    std::erase_if(told_by, [&](std::size_t row) { return other[row] > kBulk; });
-    const double of_other = rows_that_agree(source, target, told_by);
-    if (of_other <= agree) return;
-    agree = of_other;
-    rows = std::move(other);
+  // elsewhere in each, a coordinate that is lost in most, far rows that are copied. The frame is another one's where
+  // more rows are shown to keep their distances there than may keep them here.
+  double most = agreement(source, target, rows_where(rows, true)).most;
+  const auto offer = [&](RowRemoteness other, std::vector<std::size_t> told_by) {
+    if (!std::isfinite(other.of_source) || !std::isfinite(other.of_target)) return;
+    std::erase_if(told_by, [&](std::size_t row) { return other.of_rows[row] > kBulk; });
+    const Agreement of_other = agreement(source, target, told_by);
+    if (of_other.shown < kShowsAFrame || of_other.shown <= most) return;
+    most = of_other.most;
+    rows = std::move(other.of_rows);
   };
   std::vector<std::size_t> all(rows.size());
   std::iota(all.begin(), all.end(), std::size_t{0});
-  offer(remoteness_of_rows(source, distinct_points(source), target, distinct_points(target)).of_rows, std::move(all));
+  offer(remoteness_of_rows(source, distinct_points(source), target, distinct_points(target)), std::move(all));
   const std::vector<std::size_t> elsewhere = rows_where(bulk.of_rows, false);
-  for (const auto& places : {elsewhere, places_of(source, target, elsewhere, bulk)}) {
-    if (places.size() < kFewestThatAgree) continue;
-    offer(remoteness_of_rows(source, points_of(source, places), target, points_of(target, places)).of_rows, places);
-  }
+  const auto offer_elsewhere = [&](const std::vector<std::size_t>& told_by) {
+    if (told_by.size() < kFewestThatAgree) return;
+    offer(remoteness_of_rows(source, points_of(source, told_by), target, points_of(target, told_by)), told_by);
+  };
+  offer_elsewhere(elsewhere);
+  offer_elsewhere(places_of(source, target, elsewhere, kRadii * bulk.of_source, kRadii * bulk.of_target));
   if (std::ranges::all_of(rows, [](double value) { return value <= kBulk; })) rows.clear();
   return rows;
 }
 
 template <typename T>
 std::vector<double> remoteness(const ChosenPoints<T>& points, double extent) {
-  // Closer pairs are at a third of the median distance; at a quarter there is room for their scatter.
+  // Closer pairs are at a quarter of the median distance.
   if (!may_stand_out(points, extent, kFarOfCloud / 4.0)) return {};
   std::vector<double> rows = remoteness_from(points, counted_points(points)).of_points;
   const auto far =

@@ -195,8 +195,8 @@ Problem forty_rows_and_recurring_places(std::uint64_t trial) {
   Problem problem = forty_rows(trial);
   std::size_t place = 0;
   for (std::uint64_t k = 0; k <= trial % 3; ++k) {
-    while (problem.is_inlier[place] != 0) ++place;
-    for (std::uint64_t frame = 0; frame < 30 + random() % 90; ++frame) {
+    while (problem.is_inlier[place] != 0) ++place;  // one in five is wrong
+    for (std::uint64_t frame = 30 + random() % 90; frame > 0; --frame) {
       for (std::size_t axis = 0; axis < 3; ++axis) {
         problem.source.push_back(problem.source[3 * place + axis] + jitter(random));
         problem.target.push_back(problem.target[3 * place + axis] + jitter(random));

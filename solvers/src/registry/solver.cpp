@@ -96,7 +96,7 @@ void refuse_by_its_bound(const Correspondences& correspondences, Registration& r
 
 // Also where what most rows agree on is one place, seen again and again.
 bool found_nothing(const Registration& result) {
-  return result.status == Status::no_consensus || result.status == Status::degenerate_geometry;
+  return !result.stopped && (result.status == Status::no_consensus || result.status == Status::degenerate_geometry);
 }
 
 // Rows that stand for all of them, registered where all of them have told nothing.
@@ -124,7 +124,7 @@ void try_independent_rows(const SolverCall& solver, const Correspondences& corre
 // others outnumber those.
 void try_independent_rows_at(double noise_bound, const SolverCall& solver, const Correspondences& correspondences,
                              const SolverOptions& options, Registration& result) {
-  const std::vector<std::uint32_t> rows = detail::rows_for_another_search(correspondences.view(), noise_bound);
+  const std::vector<std::uint32_t> rows = detail::rows_for_another_search(correspondences.view(), result.noise_bound);
   const bool most_recur = 3 * rows.size() <= correspondences.size();
   if (rows.empty() || !(most_recur || correspondences.size() <= detail::kFewRows)) return;
   constexpr std::uint32_t kTries = 2;
@@ -139,8 +139,8 @@ Registration register_in_arena(const SolverCall& solver, const Correspondences& 
                                const SolverOptions& options) {
   if (options.noise_bound) {
     Registration result = run(solver, correspondences, *options.noise_bound, 1, options);
-    if (found_nothing(result) && !result.stopped) {
-      try_independent_rows_at(result.noise_bound, solver, correspondences, options, result);
+    if (found_nothing(result) && !options.estimate_scale) {
+      try_independent_rows_at(*options.noise_bound, solver, correspondences, options, result);
     }
     return result;
   }
@@ -156,7 +156,7 @@ Registration register_in_arena(const SolverCall& solver, const Correspondences& 
     fall_back_on(detail::register_tried_poses(correspondences, found, options.seed), result);
   }
   refuse_by_its_bound(correspondences, result);
-  if (found_nothing(result) && !result.stopped) {
+  if (found_nothing(result)) {
     try_independent_rows(solver, correspondences, options, estimation, result);
   }
   estimation.output = result.inliers.size();

@@ -1,6 +1,5 @@
 #include "verdict/distortion.hpp"
 
-#include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <vector>

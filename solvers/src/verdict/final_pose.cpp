@@ -214,10 +214,10 @@ void conclude(const Correspondences& correspondences, const PoseTest& test, cons
       supported && final.was_runner_up ? agreeing_rows(correspondences, final, test) : set;
   if (is_degenerate(correspondences, test, final)) {
     result.status = Status::degenerate_geometry;
-  } else if (const std::size_t mirrored = mirrored_supporters(correspondences, agreeing, test.noise_bound);
-             is_mirrored(mirrored, final.inliers.size())) {
+  } else if (const MirroredSupport image = mirrored_support(correspondences, agreeing, test.noise_bound);
+             is_mirrored(image, final.inliers.size())) {
     result.status = Status::no_consensus;
-    result.mirrored = is_mirror_image(mirrored, agreeing.size(), correspondences.size());
+    result.mirrored = is_mirror_image(image, agreeing.size(), correspondences.size());
   } else if (!supported || final.log10_false_poses >= kSignificant) {
     result.status = Status::no_consensus;
     if (supported) result.refused = refused_pose(correspondences, final, result);

@@ -131,7 +131,7 @@ class Agreement {
         ++result.reached.trials;
         const std::size_t set = kept_by(row, other);
         ++result.kept[set];
-        if (set + 1 == kSets) add_if_reached(row, other, matched, result.reached);
+        if ((set | kBestOnly) + 1 == kSets) add_if_reached(row, other, matched, result.reached);
       }
     }
     return result;
@@ -152,7 +152,7 @@ class Agreement {
     Eigen::Matrix<double, 6, 6> scatter = Eigen::Matrix<double, 6, 6>::Zero();
     double count = 0.0;
     for (std::size_t row = 0; row < view_.size(); ++row) {
-      if (residual(row, row) < near_) continue;
+      if (!(residual(row, row) >= near_)) continue;
       const Point p = source_point(view_, row);
       const Point q = moved_back(pose_, target_point(view_, row));
       const Vector6d both{p.x, p.y, p.z, -q.x, -q.y, -q.z};

@@ -1,7 +1,6 @@
 #include "verdict/mirror_image.hpp"
 
 #include <algorithm>
-#include <iterator>
 #include <vector>
 
 #include <consimd/kernels/rigid_moments.hpp>
@@ -19,7 +18,7 @@ constexpr double kMirrorSupportRatio = 1.1;
 // there are no others to choose from four do, the fewest that are not their own mirror image.
 constexpr std::size_t kLeastImage = 8;
 constexpr std::size_t kLeastOfAll = 4;
-// Rows near a few supporters of a pose that their image brings in by chance.
+// Rows outside of the set that a reflection of half a dozen supporters brings in by chance.
 constexpr std::size_t kByChance = 2;
 
 // The rotation of the mirrored sources as a reflection of the sources themselves.
@@ -39,33 +38,39 @@ RigidMoments mirrored(const RigidMoments& moments) {
   return result;
 }
 
-std::size_t mirrored_supporters(const Correspondences& correspondences, std::span<const std::uint32_t> rows,
-                                double noise_bound) {
+MirroredSupport mirrored_support(const Correspondences& correspondences, std::span<const std::uint32_t> set,
+                                 double noise_bound) {
   const CorrespondenceView view = correspondences.view();
-  std::vector<std::uint64_t> set(view.words());
-  for (const std::uint32_t row : rows) set_bit(set, row);
-  RigidFit fit = rigid_fit(mirrored(subset_moments(view, set)));
+  std::vector<std::uint64_t> rows(view.words());
+  for (const std::uint32_t row : set) set_bit(rows, row);
+  RigidFit fit = rigid_fit(mirrored(subset_moments(view, rows)));
   for (const double cutoff : {4.0 * noise_bound, 2.0 * noise_bound, noise_bound}) {
-    if (!fit.determined()) return 0;
+    if (!fit.determined()) return {};
     const RobustWeight within{.scale = cutoff, .cutoff = cutoff};
     fit = rigid_fit(mirrored(row_blocks::robust_moments(view, reflection(fit), within)));
   }
-  return fit.determined() ? row_blocks::alignment_count(view, reflection(fit), noise_bound) : 0;
+  if (!fit.determined()) return {};
+  std::vector<std::uint64_t> aligned(view.words());
+  const std::size_t of_all = row_blocks::alignment_bits(view, reflection(fit), noise_bound, aligned);
+  intersect(rows, aligned, rows);
+  return {popcount(rows), of_all};
 }
 
-bool is_mirrored(std::size_t mirrored_supporters, std::size_t supporters) {
-  return static_cast<double>(mirrored_supporters) > kMirrorSupportRatio * static_cast<double>(supporters);
+bool is_mirrored(const MirroredSupport& image, std::size_t supporters) {
+  const auto is_more = [supporters](std::size_t of_image) {
+    return static_cast<double>(of_image) > kMirrorSupportRatio * static_cast<double>(supporters);
+  };
+  return is_more(image.of_set) || (is_more(image.of_all) && image.of_all > supporters + kByChance);
 }
 
-bool is_mirror_image(std::size_t mirrored_supporters, std::size_t set_size, std::size_t rows) {
+bool is_mirror_image(const MirroredSupport& image, std::size_t set_size, std::size_t rows) {
   const std::size_t least = std::clamp(rows, kLeastOfAll, kLeastImage);
-  return mirrored_supporters >= least && 2 * mirrored_supporters > set_size;
+  return image.of_set >= least && 2 * image.of_set > set_size;
 }
 
 bool is_part_of_a_mirror_image(const Correspondences& correspondences, std::span<const std::uint32_t> supporters,
                                double noise_bound) {
-  const std::size_t image = mirrored_supporters(correspondences, supporters, noise_bound);
-  return image > supporters.size() + kByChance && is_mirrored(image, supporters.size());
+  return is_mirrored(mirrored_support(correspondences, supporters, noise_bound), supporters.size());
 }
 
 }  // namespace consimd::detail

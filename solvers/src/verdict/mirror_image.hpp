@@ -1,5 +1,5 @@
-// Whether rows are mirror images of one another, which pairwise lengths cannot tell, and a pose fits what lies near a
-// plane of them.
+// Whether targets are the mirror image of their sources, which pairwise lengths cannot tell, and a pose fits what lies
+// near a plane of them.
 #pragma once
 
 #include <cstddef>
@@ -15,15 +15,21 @@ namespace consimd::detail {
 /// rows.
 RigidMoments mirrored(const RigidMoments& moments);
 
-/// How many of all rows a reflection aligns that starts where it aligns `rows` best.
-std::size_t mirrored_supporters(const Correspondences& correspondences, std::span<const std::uint32_t> rows,
-                                double noise_bound);
+/// Rows that a reflection aligns: of those that it was first fitted to, and of all.
+struct MirroredSupport {
+  std::size_t of_set = 0;
+  std::size_t of_all = 0;
+};
 
-/// Whether so many are clearly more than the pose has supporters.
-[[nodiscard]] bool is_mirrored(std::size_t mirrored_supporters, std::size_t supporters);
+/// The support of the reflection that starts where it aligns the rows of `set` best. noise_bound: caller's unit.
+[[nodiscard]] MirroredSupport mirrored_support(const Correspondences& correspondences,
+                                               std::span<const std::uint32_t> set, double noise_bound);
 
-/// Whether so many, found from a set among so many rows that agree in length, are a mirror image and no coincidence.
-[[nodiscard]] bool is_mirror_image(std::size_t mirrored_supporters, std::size_t set_size, std::size_t rows);
+/// Whether that is clearly more than the pose has supporters.
+[[nodiscard]] bool is_mirrored(const MirroredSupport& image, std::size_t supporters);
+
+/// Whether so many of the set, found among so many rows, are a mirror image and no coincidence.
+[[nodiscard]] bool is_mirror_image(const MirroredSupport& image, std::size_t set_size, std::size_t rows);
 
 /// Whether the pose is the part of a mirror image that a rotation covers: what lies near a plane, ground or a wall, is
 /// about its own image. `supporters`: rows within the bound of the pose.

@@ -45,8 +45,9 @@ struct SolverOptions {
 /// Runs a solver, after the filter if there is one. A pose found among the rows that a filter keeps is brought
 /// into place, tested and given its inliers on all rows: it counts as if it had been searched for among all of them, so
 /// that the choice which the filter made cannot make it look significant. The stages of the filter, those of the solver
-/// on what it kept, and a last one, "all_rows", are reported. Throws std::invalid_argument on a bad option, or on
-/// estimate_scale where it cannot be.
+/// on what it kept, and a last one, "all_rows", are reported. Where there is no pose and rows recur, those that tell of
+/// different places are registered by themselves, and the pose is brought to all rows. Throws std::invalid_argument on
+/// a bad option, or on estimate_scale where it cannot be.
 [[nodiscard]] Registration register_by_choice(SolverChoice choice, const Correspondences& correspondences,
                                               SolverOptions options);
 
