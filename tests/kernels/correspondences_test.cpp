@@ -278,34 +278,34 @@ class RowsElsewhere : public ::testing::TestWithParam<std::size_t> {
   static constexpr std::size_t kRows = 30;
 
   // Twenty rows that keep their distances and ten others, and then as many as wanted.
-  RowsElsewhere() : p(any_points(kRows + GetParam(), 3.0, 1.0, 13)), q(p) {
+  RowsElsewhere() : p_(any_points(kRows + GetParam(), 3.0, 1.0, 13)), q_(p_) {
     const std::vector<double> other = any_points(kRows + GetParam(), 3.0, 1.0, 14);
-    std::copy(other.begin() + 60, other.end(), q.begin() + 60);
+    std::copy(other.begin() + 60, other.end(), q_.begin() + 60);
   }
   [[nodiscard]] Correspondences correspondences() const {
-    return {PointSpan<double>::interleaved(p.data(), p.size() / 3),
-            PointSpan<double>::interleaved(q.data(), q.size() / 3)};
+    return {PointSpan<double>::interleaved(p_.data(), p_.size() / 3),
+            PointSpan<double>::interleaved(q_.data(), q_.size() / 3)};
   }
   // All further rows.
   void for_each_coordinate(const auto& change) {
-    for (std::size_t k = 3 * kRows; k < p.size(); ++k) change(k);
+    for (std::size_t k = 3 * kRows; k < p_.size(); ++k) change(k);
   }
 
-  std::vector<double> p;
-  std::vector<double> q;
+  std::vector<double> p_;
+  std::vector<double> q_;
 };
 INSTANTIATE_TEST_SUITE_P(Numbers, RowsElsewhere, ::testing::Values(29, 31, 60, 120));
 
 TEST_P(RowsElsewhere, MakeTheFrameBesideOnePlaceALittleElsewhereInEachRow) {
   for_each_coordinate([&](std::size_t k) {
-    p[k] = p[k % 3] + 1e-4 * p[k];
-    q[k] = q[60 + k % 3] + 1e-4 * q[k];
+    p_[k] = p_[k % 3] + 1e-4 * p_[k];
+    q_[k] = q_[60 + k % 3] + 1e-4 * q_[k];
   });
   EXPECT_TRUE(correspondences().far_rows().empty());
 }
 
 TEST_P(RowsElsewhere, MakeTheFrameBesideOneFarPlace) {
-  for_each_coordinate([&](std::size_t k) { p[k] = 1e6 + 1e-4 * p[k]; });
+  for_each_coordinate([&](std::size_t k) { p_[k] = 1e6 + 1e-4 * p_[k]; });
   const Correspondences all = correspondences();
   ASSERT_EQ(all.far_rows().size(), GetParam());
   EXPECT_EQ(all.far_rows().front(), kRows);
@@ -313,7 +313,7 @@ TEST_P(RowsElsewhere, MakeTheFrameBesideOneFarPlace) {
 
 TEST_P(RowsElsewhere, MakeTheFrameWhereACoordinateIsLost) {
   for_each_coordinate([&](std::size_t k) {
-    if (k % 3 == 2) q[k] = -9999.0;
+    if (k % 3 == 2) q_[k] = -9999.0;
   });
   EXPECT_EQ(correspondences().far_rows().size(), GetParam());
 }
@@ -323,8 +323,8 @@ TEST_P(RowsElsewhere, MakeTheFrameBesideCopiesOfFarRows) {
   if (GetParam() > 3 * kFar) GTEST_SKIP() << "more copies than look like anything but the bulk";
   for_each_coordinate([&](std::size_t k) {
     const std::size_t first = 3 * kRows + k % (3 * kFar);
-    p[k] = k == first ? 1e6 * p[k] : p[first];
-    q[k] = k == first ? 1e6 * q[k] : q[first];
+    p_[k] = k == first ? 1e6 * p_[k] : p_[first];
+    q_[k] = k == first ? 1e6 * q_[k] : q_[first];
   });
   EXPECT_EQ(correspondences().far_rows().size(), GetParam());
 }
