@@ -19,19 +19,21 @@ constexpr std::size_t kClosePairs = kPairs / 20;
 constexpr double kStandsOut = 24.0;
 constexpr std::size_t kProvesNoPose = 3;  // places
 
-// A frame by the rows that keep their distances. Half a dozen do so by chance where others are told by one pair in
-// fifteen, eight hardly ever.
+// Fewer places than six have too few pairs to tell anything, and of unrelated ones six seem to keep their distances
+// once in five times: eight must be shown to do so before the frame is theirs.
 constexpr std::size_t kFewestThatAgree = 6;
 constexpr double kShowsAFrame = 8.0;
-// Lengths that are compared, enough to tell a share of one row in fifteen, and within what. Noise is more than a
-// sixty-fourth of the lengths in some data, and chance gives fewer agreements there.
+// So many lengths tell a share of one row in fifteen. Two of them agree that differ by less than a sixteenth, which
+// leaves room for noise, or by less than a sixty-fourth, where chance gives a quarter of the agreements.
 constexpr std::size_t kLengths = 8192;
 constexpr std::array kAgree{1.0 / 16.0, 1.0 / 64.0};
 constexpr double kDeviations = 3.0;
-// Points closer than this share of the largest distance are in one place, of so many at most that are compared.
+// Points closer than this share of the largest distance are in one place. So many rows are thinned out to places at
+// most, each against all others.
 constexpr double kOnePlace = 1.0 / 1024.0;
 constexpr std::size_t kMostPlaces = 1024;
-// What a place of the bulk is as large as, in the median distances of a place seen again and again.
+// A place that is seen again and again is as large as this, in median distances from its middle: six deviations of a
+// normal distribution, about.
 constexpr double kRadii = 8.0;
 
 using Point = std::array<double, 3>;
@@ -208,7 +210,7 @@ struct Agreement {
   double most = 0.0;
 };
 
-// Told by the pairs of places, or some of them: of n places of which m keep their distances a share of (m / n)^2 does.
+// The pairs of places, or some of them, tell it: of n places of which m keep their distances a share of (m / n)^2 does.
 // Mismatched lengths tell what chance gives. Copies are one place, and so is a value written for none, which is as far
 // from all others in both clouds.
 template <typename Points>
@@ -269,7 +271,7 @@ Agreement agreement(const Points& source, const Points& target, const std::vecto
   return result;
 }
 
-// Of rows, by the one of their points that is the more remote, and the radii of both clouds.
+// A row is as remote as the more remote one of its points is. `of_source` and `of_target` are the radii of both clouds.
 struct RowRemoteness {
   std::vector<double> of_rows;
   double of_source = 0.0;

@@ -148,8 +148,8 @@ Problem forty_rows_and_more_without_value(std::uint64_t trial) {
                                                   .trial = trial});
 }
 
-/// The same of two values, as pixels without depth and pixels out of range have them: each in fewer rows than there are
-/// others, or up to twice as many.
+/// Two values stand for none, as pixels without depth and pixels out of range have them: each in fewer rows than there
+/// are others, or up to twice as many.
 Problem forty_rows_and_more_without_either_value(std::uint64_t trial) {
   constexpr std::array kValues{9999.0, 65535.0, 1e10};
   Problem problem = forty_rows(trial);

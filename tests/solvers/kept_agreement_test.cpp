@@ -156,7 +156,7 @@ TEST(KeptChances, OfFewPolesGiveHardlyEverASuccess) {
       if (result.status == Status::success) ++successes;
     }
   }
-  // Of another 400 registrations two are one: of 120 more than four are with a probability of 4e-4.
+  // Two of another 400 registrations are one: more than four of 120 are with a probability of 4e-4.
   EXPECT_LE(successes, 4U);
 }
 

@@ -64,7 +64,7 @@ TEST_P(MirrorImage, OfSurfacesIsNoSuccessAndIsNamed) {
       }
     }
   }
-  // Of 96: what is not named is a bound far too large that was estimated.
+  // Of the 96 those are not named whose estimated bound is far too large.
   if (kAllTrials) {
     EXPECT_GE(named, runs - runs / 10);
   }

@@ -94,7 +94,7 @@ void refuse_by_its_bound(const Correspondences& correspondences, Registration& r
   }
 }
 
-// Also where what most rows agree on is one place, seen again and again.
+// A degenerate pose may be that of one place, seen again and again.
 bool found_nothing(const Registration& result) {
   return !result.stopped && (result.status == Status::no_consensus || result.status == Status::degenerate_geometry);
 }
@@ -120,8 +120,8 @@ void try_independent_rows(const SolverCall& solver, const Correspondences& corre
   fall_back_on(std::move(other), result);
 }
 
-// The same at a noise bound that is given. Among many rows only where most of them recur: all of them have told where
-// others outnumber those.
+// Does the same at a noise bound that is given, where rows are few or two thirds of them recur: else a search takes as
+// long again, and among rows that do not recur it has been made.
 void try_independent_rows_at(double noise_bound, const SolverCall& solver, const Correspondences& correspondences,
                              const SolverOptions& options, Registration& result) {
   const std::vector<std::uint32_t> rows = detail::rows_for_another_search(correspondences.view(), result.noise_bound);

@@ -54,7 +54,7 @@ class CountedPoints {
  private:
   // A little more than two, for rounding.
   static constexpr double kCellRadii = 2.001;
-  // The working frame is [-1, 1] along, two at most: its cells are fewer than fit in an integer of 64 bits.
+  // The working frame is [-1, 1] across, two at most: its cells are fewer than fit in an integer of 64 bits.
   static constexpr double kLeastCell = 1e-8;
   static constexpr std::size_t kSlotsPerPoint = 2;
   static constexpr std::uint32_t kNone = ~std::uint32_t{0};
