@@ -13,7 +13,8 @@ reject() {
   [[ -z $hits ]] || fail "$reason:"$'\n'"$hits"
 }
 
-# What the compiler cannot check: flags and operations that would cost equal bits, and the direction of includes.
+# What the compiler cannot check: flags and operations that would cost equal bits, what other compilers cannot take, and
+# the direction of includes.
 check_rules() {
   local cxx build_files
   mapfile -t cxx < <(cxx_sources)
@@ -22,6 +23,8 @@ check_rules() {
     \( -name CMakeLists.txt -o -name '*.cmake' -o -name CMakePresets.json \) -print)
   reject "flags that make results depend on the machine" 'march=native|ffast-math' "${build_files[@]}" "${cxx[@]}"
   reject "xsimd operations that differ between instruction sets" 'xsimd::(fma|fms|fnma|rsqrt|reciprocal)\b' "${cxx[@]}"
+  reject "ranges that clang before 16 cannot take from libstdc++" \
+    'std::ranges::(unique|remove|remove_if|partition|stable_partition|rotate|search|find_end|equal_range|subrange)\b|std::(ranges::)?views::' "${cxx[@]}"
   python3 "$root/tools/check_includes.py" || fail "includes that the layers or rooms forbid"
 }
 

@@ -182,8 +182,7 @@ template <typename Points>
 std::vector<std::size_t> of_different_points(const Points& points, std::vector<std::size_t> rows) {
   std::ranges::stable_sort(rows, {}, [&](std::size_t row) { return point(points, row); });
   const auto same = [&](std::size_t a, std::size_t b) { return point(points, a) == point(points, b); };
-  const auto copies = std::ranges::unique(rows, same);
-  rows.erase(copies.begin(), copies.end());
+  rows.erase(std::unique(rows.begin(), rows.end(), same), rows.end());
   return rows;
 }
 
