@@ -4,6 +4,7 @@
 #include <consimd/synth/hard_problems.hpp>
 
 #include <algorithm>
+#include <vector>
 
 #include "problems.hpp"
 
@@ -13,10 +14,7 @@ namespace {
 class IndependentRows : public ::testing::TestWithParam<double> {};
 INSTANTIATE_TEST_SUITE_P(Radii, IndependentRows, ::testing::Values(3.0, 9.0, 40.0));
 
-TEST_P(IndependentRows, AreThoseNotCloseToOneBefore) {
-  const double radius = GetParam();
-  const Problem problem =
-      synth::hard_problem({.correspondences = 600, .outlier_ratio = 0.9, .outliers = synth::OutlierModel::clustered});
+void expect_those_not_close_to_one_before(const Problem& problem, double radius) {
   const Correspondences correspondences = problem.correspondences();
   const std::vector<std::uint32_t> rows = detail::independent_rows(correspondences.view(), radius);
   ASSERT_TRUE(std::ranges::is_sorted(rows));
@@ -31,6 +29,22 @@ TEST_P(IndependentRows, AreThoseNotCloseToOneBefore) {
     const bool repeats = std::ranges::any_of(
         rows, [&](std::uint32_t other) { return other < row && close(row, other, radius + (kept ? -slack : slack)); });
     EXPECT_NE(kept, repeats) << row;
+  }
+}
+
+TEST_P(IndependentRows, AreThoseNotCloseToOneBefore) {
+  expect_those_not_close_to_one_before(
+      synth::hard_problem({.correspondences = 600, .outlier_ratio = 0.9, .outliers = synth::OutlierModel::clustered}),
+      GetParam());
+}
+
+// More rows than one by one are looked at share a source.
+TEST_P(IndependentRows, AreTheSameWhereAPointIsMatchedWithAll) {
+  for (const bool of_target : {false, true}) {
+    Problem problem = synth::hard_problem({.correspondences = 1500, .outlier_ratio = 0.9});
+    std::vector<double>& points = of_target ? problem.target : problem.source;
+    for (std::size_t k = 3; k < 3 * 1200; ++k) points[k] = points[k % 3];
+    expect_those_not_close_to_one_before(problem, GetParam());
   }
 }
 

@@ -44,8 +44,9 @@ struct IndependentRows {
 IndependentRows search_independent_bound(const Correspondences& correspondences, std::uint64_t seed,
                                          const StopCondition& stop = {});
 
-/// A registration of independent rows, with the inliers among all rows; refused where all rows give its pose by chance.
-void bring_to_all_rows(const Correspondences& correspondences, Registration& result);
+/// A registration of independent rows, the last of so many tries, with the inliers among all rows; refused where all
+/// rows give its pose by chance.
+void bring_to_all_rows(const Correspondences& correspondences, std::uint32_t tries, Registration& result);
 
 /// Whether a pose that was found with an estimated bound is what chance gives once the bound is that of its residuals:
 /// structure makes some poses significant at bounds that are not theirs. Caller's frame and unit.

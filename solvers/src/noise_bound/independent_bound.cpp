@@ -54,7 +54,7 @@ IndependentRows search_independent_bound(const Correspondences& correspondences,
   return result;
 }
 
-void bring_to_all_rows(const Correspondences& correspondences, Registration& result) {
+void bring_to_all_rows(const Correspondences& correspondences, std::uint32_t tries, Registration& result) {
   if (!result.has_pose()) return;
   const auto supporters = [&](const RigidTransform& T_target_source) {
     return pose_inliers(correspondences.view(), to_working_pose(to_working_frame(T_target_source, correspondences)),
@@ -63,7 +63,8 @@ void bring_to_all_rows(const Correspondences& correspondences, Registration& res
   // What matchers keep shows the better the more rows there are.
   const DistinctRows rows(correspondences);
   const WorkingPose pose = to_working_pose(to_working_frame(result.T_target_source, correspondences));
-  if (CloseLooks(rows.correspondences()).log10_false_poses(pose, result.noise_bound) + penalty_of_both() >= 0.0) {
+  const double left = CloseLooks(rows.correspondences()).log10_false_poses(pose, result.noise_bound);
+  if (left + elementary::log10(tries) >= 0.0) {
     refuse(result);
     return;
   }

@@ -114,7 +114,7 @@ void try_independent_rows(const SolverCall& solver, const Correspondences& corre
   Registration other = run(solver, independent, estimate.noise_bound, estimate.bounds_tried, options);
   result.stopped = result.stopped || other.stopped;
   refuse_by_its_bound(independent, other);
-  detail::bring_to_all_rows(correspondences, other);
+  detail::bring_to_all_rows(correspondences, estimate.bounds_tried, other);
   refuse_by_its_bound(correspondences, other);
   if (!other.has_pose()) result.seconds += other.seconds;
   fall_back_on(std::move(other), result);
@@ -130,7 +130,7 @@ void try_independent_rows_at(double noise_bound, const SolverCall& solver, const
   constexpr std::uint32_t kTries = 2;
   Registration other = run(solver, correspondences.subset(rows), noise_bound, kTries, options);
   result.stopped = other.stopped;
-  detail::bring_to_all_rows(correspondences, other);
+  detail::bring_to_all_rows(correspondences, kTries, other);
   if (!other.has_pose()) result.seconds += other.seconds;
   fall_back_on(std::move(other), result);
 }
