@@ -160,8 +160,14 @@ std::string run_text(const RegisterReport& report) {
     }
   } else {
     fmt::format_to(out, "status        {} (seed {})\n", to_string(run.status), run.seed);
-    fmt::format_to(out, "inliers       {} within {:.4g} of the pose\n", run.inliers.size(), run.noise_bound);
-    fmt::format_to(out, "by chance     10^{:.1f} poses of such support expected\n", run.log10_false_poses);
+    if (run.has_pose()) {
+      fmt::format_to(out, "inliers       {} within {:.4g} of the pose\n", run.inliers.size(), run.noise_bound);
+    } else if (run.refused) {
+      fmt::format_to(out, "best met      a pose with {} rows within {:.4g}\n", run.refused->support, run.noise_bound);
+    }
+    if (run.has_pose() || run.refused) {
+      fmt::format_to(out, "by chance     10^{:.1f} poses of such support expected\n", run.log10_false_poses);
+    }
   }
   if (run.runner_up) fmt::format_to(out, "runner-up     another motion has {} inliers\n", run.runner_up->support);
   if (!report.verdicts.empty()) fmt::format_to(out, "{}", verdict_text(report.verdicts.front(), run));

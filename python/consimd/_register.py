@@ -119,11 +119,14 @@ class Registration:
     sigma: float | None = None
     """Standard deviation of a residual per axis, with 3 N - 6 degrees of freedom. With `assume_inliers` only."""
     geometry: str | None = None
-    """"determined", or "collinear" or "coincident" where the points of a cloud leave a rotation free. With
-    `assume_inliers` only."""
+    """"determined"; "contradictory" where no motion fits the rows; "collinear" or "coincident" where the points of a
+    cloud leave a rotation free. With `assume_inliers` only."""
     other_scale: float | None = None
     """The scale of the sources with which less than a tenth of the residuals' deviation is left, if there is one. With
     `assume_inliers` only."""
+    odd_row: int | None = None
+    """The row (`iloc`) without which less than a tenth of the residuals' deviation is left, likely a wrong one, if there
+    is one. With `assume_inliers` of five rows or more only."""
     refinement: Refinement | None = None
     """Of `register_clouds`, where it was asked for and there was a pose to start from."""
     verdict: CloudVerdict | None = None

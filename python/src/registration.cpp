@@ -96,6 +96,7 @@ nb::dict run_assumed_inliers(const SharedCorrespondences& correspondences) {
   fields["sigma"] = result.sigma;
   fields["geometry"] = to_string(result.geometry);
   fields["other_scale"] = result.other_scale;
+  fields["odd_row"] = result.odd_row;
   return fields;
 }
 

@@ -211,7 +211,11 @@ def test_assumed_inliers():
     result = consimd.register(line, line, assume_inliers=True)
     assert (result.status, result.geometry, result.pose) == ("degenerate_geometry", "collinear", None)
     assert consimd.register(corners, corners, assume_inliers=True).other_scale is None
-    assert np.isclose(consimd.register(corners, 1000 * corners @ turn.T, assume_inliers=True).other_scale, 1000)
+    far_off = consimd.register(corners, 1000 * corners @ turn.T, assume_inliers=True)
+    assert np.isclose(far_off.other_scale, 1000) and far_off.geometry == "contradictory"
+    odd = corners[[0, 1, 2, 3, 0, 1]] + [[0, 0, 0]] * 4 + [[0, 0, 5]] * 2
+    assert consimd.register(odd, odd, assume_inliers=True).odd_row is None
+    assert consimd.register(odd, odd + 3 * (np.arange(6) == 4)[:, None], assume_inliers=True).odd_row == 4
     with pytest.raises(TypeError, match="assume_inliers"):
         consimd.register(corners, corners, 0.1, assume_inliers=True)
 

@@ -93,12 +93,22 @@ constexpr const char* kMirrored =
 
 std::vector<std::string> advice(const AssumedInliers& result) {
   std::vector<std::string> sentences;
-  if (result.geometry != PointGeometry::determined) {
+  const bool told = result.other_scale || result.registration.mirrored || result.odd_row;
+  if (result.geometry == PointGeometry::contradictory) {
+    if (!told)
+      sentences.emplace_back(
+          "no motion fits the rows, whose residuals are as large as the clouds: rows are wrong, or in another order");
+  } else if (result.geometry != PointGeometry::determined) {
     sentences.push_back(sentence("the points of a cloud are ", to_string(result.geometry),
                                  ", up to the residuals of a fit: they leave a rotation free, or a row is wrong"));
   }
   if (result.other_scale) sentences.push_back(of_other_scale(*result.other_scale));
   if (result.registration.mirrored) sentences.emplace_back(kMirrored);
+  if (result.odd_row) {
+    sentences.push_back(sentence("row ", *result.odd_row,
+                                 " (from 0) is likely wrong: without it less than a tenth of the "
+                                 "residuals' deviation would be left"));
+  }
   return sentences;
 }
 
