@@ -91,6 +91,14 @@ bool may_stand_out(const Points& points, double extent, double times) {
 // board is there by chance, or at the origin, and the other targets remain.
 bool is_no_value(const Point& p) { return p[0] == p[1] && p[1] == p[2]; }
 
+template <typename Points>
+std::vector<Point> sorted_points(const Points& points) {
+  std::vector<Point> sorted(points.size);
+  for (std::size_t i = 0; i < points.size; ++i) sorted[i] = point(points, i);
+  std::sort(sorted.begin(), sorted.end());
+  return sorted;
+}
+
 // The points, but each "no value" once, however many of these there are, and once each as well up to three other places
 // that half of what is left have together: three places prove no pose, so that they are not where most points are. All
 // others count as often as they are there, as the targets of a board do that many frames show: of a small board one
@@ -101,9 +109,7 @@ std::vector<Point> counted_points(const Points& points) {
     Point point;
     std::size_t times;
   };
-  std::vector<Point> sorted(points.size);
-  for (std::size_t i = 0; i < points.size; ++i) sorted[i] = point(points, i);
-  std::sort(sorted.begin(), sorted.end());
+  const std::vector<Point> sorted = sorted_points(points);
   std::vector<Place> places;
   std::size_t rows = 0;
   for (auto first = sorted.begin(); first != sorted.end();) {
@@ -162,9 +168,7 @@ Remoteness remoteness_from(const Points& points, const std::vector<Point>& count
 
 template <typename Points>
 std::vector<Point> distinct_points(const Points& points) {
-  std::vector<Point> sorted(points.size);
-  for (std::size_t i = 0; i < points.size; ++i) sorted[i] = point(points, i);
-  std::sort(sorted.begin(), sorted.end());
+  std::vector<Point> sorted = sorted_points(points);
   sorted.erase(std::unique(sorted.begin(), sorted.end()), sorted.end());
   return sorted;
 }

@@ -16,7 +16,6 @@
 namespace consimd::test {
 namespace {
 
-constexpr std::array kSolvers{"tcf", "ransac", "sc2_pcr", "turboreg", "pcr99", "teaser", "mac"};
 constexpr double kNoiseBound = 0.04;
 
 Problem at_scale(double scale, std::size_t rows, double outlier_ratio, std::uint64_t trial) {

@@ -20,7 +20,8 @@
 namespace consimd::test {
 namespace {
 
-const auto kSolvers = ::testing::Values(std::string("sc2_pcr"), std::string("turboreg"), std::string("pcr99"));
+const auto kCompatibilitySolvers =
+    ::testing::Values(std::string("sc2_pcr"), std::string("turboreg"), std::string("pcr99"));
 
 Registration run(const std::string& solver, const Problem& problem, double noise_bound, std::uint64_t seed = 1) {
   Registration result = register_by_name(solver, problem.correspondences(), {.noise_bound = noise_bound, .seed = seed});
@@ -30,7 +31,7 @@ Registration run(const std::string& solver, const Problem& problem, double noise
 
 class CompatibilityStudyCell : public ::testing::TestWithParam<std::tuple<std::string, double, double>> {};
 INSTANTIATE_TEST_SUITE_P(SolversOutliersAndSigmas, CompatibilityStudyCell,
-                         ::testing::Combine(kSolvers, ::testing::Values(0.0, 0.5, 0.9, 0.98),
+                         ::testing::Combine(kCompatibilitySolvers, ::testing::Values(0.0, 0.5, 0.9, 0.98),
                                             ::testing::Values(0.1, 5.0)));
 
 TEST_P(CompatibilityStudyCell, SucceedsWithTheErrorOfLeastSquares) {
@@ -56,7 +57,8 @@ TEST_P(CompatibilityStudyCell, SucceedsWithTheErrorOfLeastSquares) {
 }
 
 class CompatibilitySolver : public ::testing::TestWithParam<std::string> {};
-INSTANTIATE_TEST_SUITE_P(Solvers, CompatibilitySolver, kSolvers, [](const auto& test) { return test.param; });
+INSTANTIATE_TEST_SUITE_P(Solvers, CompatibilitySolver, kCompatibilitySolvers,
+                         [](const auto& test) { return test.param; });
 
 TEST_P(CompatibilitySolver, FindsThirtyInliersAmongThreeThousand) {
   for (const double sigma : {0.1, 2.5, 5.0}) {

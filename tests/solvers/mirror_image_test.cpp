@@ -15,8 +15,6 @@ namespace {
 
 using synth::Scene;
 
-constexpr std::array kSolvers{"tcf", "ransac", "sc2_pcr", "turboreg", "pcr99", "teaser", "mac"};
-
 class MirrorImage : public ::testing::TestWithParam<const char*> {};
 INSTANTIATE_TEST_SUITE_P(Solvers, MirrorImage, ::testing::ValuesIn(kSolvers),
                          [](const auto& test) { return std::string(test.param); });

@@ -243,10 +243,6 @@ TEST(NoiseBound, SameBitsForAnyThreadsAndInstructionSet) {
   }
 }
 
-bool is_right(const Problem& problem, const Registration& result, double noise_bound) {
-  return result.has_pose() && synth::rmse_true_inliers(problem, result.T_target_source) < 2.0 * noise_bound;
-}
-
 TEST(NoiseBound, OfSmallSetsIsAsGoodAsTheRightOne) {
   constexpr double kBound = 0.03;
   for (const std::size_t rows : {8U, 10U, 14U, 20U, 30U}) {

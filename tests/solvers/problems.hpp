@@ -31,6 +31,9 @@ inline constexpr double kInfinity = std::numeric_limits<double>::infinity();
 inline constexpr std::array kBadLengths{0.0, -1.5, kNan, kInfinity, -kInfinity};
 inline constexpr std::array kBadConfidences{0.0, 1.0, -0.5, 1.5, kNan};
 
+/// The solvers that take in turn what holds for each of them.
+inline constexpr std::array kSolvers{"tcf", "ransac", "sc2_pcr", "turboreg", "pcr99", "teaser", "mac"};
+
 /// Trials of a long test: a twentieth of `count` under the sanitizers, which make the solvers some fifteen times
 /// slower.
 constexpr std::uint64_t trials(std::uint64_t count) {
@@ -62,6 +65,12 @@ inline double displacement(const Problem& problem, const RigidTransform& a, cons
     squares += (a * source_point(problem, k) - b * source_point(problem, k)).squaredNorm();
   }
   return std::sqrt(squares / static_cast<double>(problem.size()));
+}
+
+/// Whether a pose takes the true inliers to within twice the noise bound, root mean square.
+inline bool is_right(const Problem& problem, const Registration& result, double noise_bound) {
+  return result.has_pose() &&
+         synth::rmse_true_inliers(problem, result.T_target_source, result.scale) < 2.0 * noise_bound;
 }
 
 /// | |p_j - p_k| - |q_j - q_k| |

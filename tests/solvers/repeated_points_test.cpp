@@ -15,8 +15,6 @@
 namespace consimd::test {
 namespace {
 
-constexpr std::array kSolvers{"tcf", "ransac", "sc2_pcr", "turboreg", "pcr99", "teaser", "mac"};
-
 // Rows of a problem, each so many times with errors of its own.
 Problem recurring(const Problem& once, const std::vector<std::size_t>& rows, std::uint64_t trial) {
   std::mt19937_64 random(trial);
