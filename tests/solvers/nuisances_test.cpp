@@ -99,13 +99,13 @@ Problem forty_rows_and_more_without_depth(std::uint64_t trial) {
   return synth::with_rows_without_depth(forty_rows(trial), 40 + trial % 120, 1, trial);
 }
 
-/// One to three wrong matches that 30 to 120 frames have again, each a little elsewhere in either cloud.
+/// One to five wrong matches that 30 to 120 frames have again, each a little elsewhere in either cloud.
 Problem forty_rows_and_recurring_places(std::uint64_t trial) {
   std::mt19937_64 random(trial);
   std::normal_distribution<double> jitter(0.0, 0.005);
   Problem problem = forty_rows(trial);
   std::size_t place = 0;
-  for (std::uint64_t k = 0; k <= trial % 3; ++k) {
+  for (std::uint64_t k = 0; k <= trial % 5; ++k) {
     while (problem.is_inlier[place] != 0) ++place;  // one in five is wrong
     for (std::uint64_t frame = 30 + random() % 90; frame > 0; --frame) {
       for (std::size_t axis = 0; axis < 3; ++axis) {

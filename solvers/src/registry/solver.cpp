@@ -14,6 +14,7 @@
 #include "support/independent_rows.hpp"
 #include "verdict/another_scale.hpp"
 #include "verdict/distortion.hpp"
+#include "verdict/pose_test.hpp"
 
 namespace consimd {
 namespace {
@@ -42,11 +43,16 @@ Filter filter_by_name(std::string_view name) {
 
 namespace {
 
-// Takes the place of a registration that found nothing, after its stages.
+// A search that the condition has ended may have missed a better pose.
+void note_stop(bool stopped, Registration& result) {
+  result.stopped = result.stopped || stopped;
+  if (result.stopped && result.status == Status::success) result.status = Status::budget_exhausted;
+}
+
+// Takes the place of a registration that found nothing, or nothing at a bound to rely on, after its stages.
 void fall_back_on(Registration other, Registration& result) {
   if (!other.has_pose()) return;
-  other.stopped = other.stopped || result.stopped;
-  if (other.stopped && other.status == Status::success) other.status = Status::budget_exhausted;
+  note_stop(result.stopped, other);
   other.seconds += result.seconds;
   other.stages.insert(other.stages.begin(), result.stages.begin(), result.stages.end());
   result = std::move(other);
@@ -96,7 +102,7 @@ void refuse_by_its_bound(const Correspondences& correspondences, Registration& r
 
 // A degenerate pose may be that of one place, seen again and again.
 bool found_nothing(const Registration& result) {
-  return !result.stopped && (result.status == Status::no_consensus || result.status == Status::degenerate_geometry);
+  return result.status == Status::no_consensus || result.status == Status::degenerate_geometry;
 }
 
 // Rows that stand for all of them, registered where all of them have told nothing.
@@ -107,12 +113,12 @@ void try_independent_rows(const SolverCall& solver, const Correspondences& corre
     const detail::StageClock clock(estimation.seconds);
     found = detail::search_independent_bound(correspondences, options.seed, options.stop);
   }
-  result.stopped = options.stop.met();
+  note_stop(options.stop.met(), result);
   if (found.rows.empty()) return;
   const Correspondences independent = correspondences.subset(found.rows);
   const NoiseBoundEstimate& estimate = found.estimate;
   Registration other = run(solver, independent, estimate.noise_bound, estimate.bounds_tried, options);
-  result.stopped = result.stopped || other.stopped;
+  note_stop(other.stopped, result);
   refuse_by_its_bound(independent, other);
   detail::bring_to_all_rows(correspondences, estimate.bounds_tried, other);
   refuse_by_its_bound(correspondences, other);
@@ -129,7 +135,7 @@ void try_independent_rows_at(double noise_bound, const SolverCall& solver, const
   if (rows.empty() || !(most_recur || correspondences.size() <= detail::kFewRows)) return;
   constexpr std::uint32_t kTries = 2;
   Registration other = run(solver, correspondences.subset(rows), noise_bound, kTries, options);
-  result.stopped = other.stopped;
+  note_stop(other.stopped, result);
   detail::bring_to_all_rows(correspondences, kTries, other);
   if (!other.has_pose()) result.seconds += other.seconds;
   fall_back_on(std::move(other), result);
@@ -139,7 +145,7 @@ Registration register_in_arena(const SolverCall& solver, const Correspondences& 
                                const SolverOptions& options) {
   if (options.noise_bound) {
     Registration result = run(solver, correspondences, *options.noise_bound, 1, options);
-    if (found_nothing(result) && !options.estimate_scale) {
+    if (!result.stopped && found_nothing(result) && !options.estimate_scale) {
       try_independent_rows_at(*options.noise_bound, solver, correspondences, options, result);
     }
     return result;
@@ -156,7 +162,9 @@ Registration register_in_arena(const SolverCall& solver, const Correspondences& 
     fall_back_on(detail::register_tried_poses(correspondences, found, options.seed), result);
   }
   refuse_by_its_bound(correspondences, result);
-  if (found_nothing(result)) {
+  // A bound that no pose was significant at is hardly that of one.
+  const bool rests_on_nothing = estimate.log10_false_poses >= detail::kSignificant;
+  if (!result.stopped && (found_nothing(result) || rests_on_nothing)) {
     try_independent_rows(solver, correspondences, options, estimation, result);
   }
   estimation.output = result.inliers.size();
