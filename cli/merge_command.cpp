@@ -115,8 +115,8 @@ void add_merge_command(CLI::App& app, Action& run) {
       "version of consimd, all there and complete; they are left as they are.\n"
       "Exit code: 0 when merged, 2 on bad usage or input.\n"
       "Examples:\n"
-      "  consimd merge                                   the shards in consimd-sweep, where sweep puts them\n"
-      "  consimd merge consimd-compare                   those of a comparison\n"
+      "  consimd merge                                   # the shards in consimd-sweep, where sweep puts them\n"
+      "  consimd merge consimd-compare                   # those of a comparison\n"
       "  consimd merge from-a/shard-1-of-2 from-b/shard-2-of-2 --out study");
   command->callback([&run, options] { run = [options] { return run_merge(*options); }; });
 }

@@ -255,17 +255,17 @@ void add_register_command(CLI::App& app, Action& run) {
       "Exit code: 0 when every run found a pose, 1 when one did not or left two to choose from, 2 on bad usage or "
       "input.\n"
       "Examples:\n"
-      "  consimd register pair.txt                                           finds out how noisy it is\n"
-      "  consimd register source.pcd target.pcd --voxel 0.3                  two scans\n"
-      "  consimd register a.txt b.txt --pairs rows --noise-bound 0.6         two files of N x 3, row by row\n"
+      "  consimd register pair.txt                                           # finds out how noisy it is\n"
+      "  consimd register source.pcd target.pcd --voxel 0.3                  # two scans\n"
+      "  consimd register a.txt b.txt --pairs rows --noise-bound 0.6         # two files of N x 3, row by row\n"
       "  consimd register a.bin b.bin --refine plane --save-aligned a_in_b.ply\n"
-      "  consimd register source.pcd target.pcd --view view.html             and a page to look at them\n"
-      "  consimd register pair.txt --noise-bound 0.6                         metres, lidar clouds of 0.3 m voxels\n"
+      "  consimd register source.pcd target.pcd --view view.html             # and a page to look at them\n"
+      "  consimd register pair.txt --noise-bound 0.6                         # metres, lidar clouds of 0.3 m voxels\n"
       "  consimd register pair.txt --noise-bound 0.6 --repeat 50 --truth pose.txt\n"
-      "  consimd register pair.txt --noise-bound 0.6 --json -                to the next program\n"
-      "  consimd register targets.txt --assume-inliers --save-pose pose.txt  a few targets, all of them right\n"
+      "  consimd register pair.txt --noise-bound 0.6 --json -                # to the next program\n"
+      "  consimd register targets.txt --assume-inliers --save-pose pose.txt  # a few targets, all of them right\n"
       "  consimd register pair.txt --noise-bound 0.6 --solver ransac --option max_iterations=10000\n"
-      "  consimd register pair.txt --noise-bound 0.6 --solver pcr99 --estimate-scale   clouds in different units");
+      "  consimd register pair.txt --noise-bound 0.6 --solver pcr99 --estimate-scale   # clouds in different units");
   command->callback([&run, options] { run = [options] { return run_register(*options); }; });
 }
 

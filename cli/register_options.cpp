@@ -147,8 +147,8 @@ void add_register_options(CLI::App& command, RegisterOptions& options) {
   command.add_option(
       "--noise-bound", options.noise_bound,
       "Largest distance of a true correspondence's target from the moved source, in the file's unit; about 3 "
-      "times the noise's standard deviation. When not given it is estimated from the correspondences, which takes two "
-      "to twenty times as long, or, of clouds, three times their resolution");
+      "times the noise's standard deviation. When not given it is estimated from the correspondences, which takes "
+      "longer than the registration itself, or, of clouds, three times their resolution");
   command.add_option("--solver", options.solver, "Solver: " + solver_help())->capture_default_str();
   add_option_setting(command, options.settings);
   add_filter_option(command, options.filter);

@@ -187,14 +187,14 @@ void add_sweep_command(CLI::App& app, Action& run) {
       "gave (openmpi, pmi), or that of a Slurm step (slurm); without --shard the environment is not looked at.\n"
       "Exit code: 0 when complete, 2 on bad usage or where output cannot be written, 130 when stopped.\n"
       "Examples:\n"
-      "  consimd sweep                                                the paper's study: 25000 trials\n"
+      "  consimd sweep                                                # the paper's study: 25000 trials\n"
       "  consimd sweep --outliers 0.9,0.99 --sigma 0.5,1,2 --trials 20 --out quick\n"
       "  consimd sweep --solver ransac:max_iterations=10000,tcf --trials 20 --out options\n"
       "  consimd sweep --solver tcf --solver 'mine=exec:./my_solver --fast' --trials 20 --out mine\n"
       "  consimd sweep --family gaussian,heavy_tails,decoy --no-pose 0.1 --sigma 0.5,2 --trials 20 --out families\n"
       "  consimd sweep --bound-factor 0.5,1,2,estimated --points 100,1000 --outliers 0.5 --sigma 1 --out bounds\n"
-      "  consimd sweep --shard 2/4                                    a quarter of it\n"
-      "  mpirun -n 4 consimd sweep --shard auto --threads 1           four processes, then: consimd merge\n"
+      "  consimd sweep --shard 2/4                                    # a quarter of it\n"
+      "  mpirun -n 4 consimd sweep --shard auto --threads 1           # four processes, then: consimd merge\n"
       "  consimd sweep --map --outliers 0.5,0.9,0.95,0.98,0.99,0.995 --sigma 0.1,0.5,1,2,5 --trials 20 --out map");
   command->callback([&run, options] { run = [options] { return run_sweep_command(*options); }; });
 }

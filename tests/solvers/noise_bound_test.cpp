@@ -1,5 +1,6 @@
 // Registration by a user who does not know how noisy the data are.
 #include <consimd/solvers/noise_bound.hpp>
+#include <consimd/solvers/registry.hpp>
 
 #include <consimd/solvers/solver.hpp>
 #include <consimd/synth/hard_problems.hpp>
@@ -99,6 +100,17 @@ TEST(NoiseBound, IsReportedWithItsTrialsCounted) {
   EXPECT_EQ(result.T_target_source.matrix(), given.T_target_source.matrix());
   EXPECT_EQ(result.inliers, given.inliers);
   EXPECT_NEAR(result.log10_false_poses - given.log10_false_poses, std::log10(estimate.bounds_tried), 1e-9);
+}
+
+TEST(NoiseBound, CountsItsTrialsWhateverTheSolver) {
+  const Problem problem = synth::hard_problem({.outlier_ratio = 0.5});
+  const Correspondences correspondences = problem.correspondences();
+  for (const std::string& solver : solver_names()) {
+    SCOPED_TRACE(solver);
+    const Registration estimated = register_by_name(solver, correspondences, {});
+    const Registration given = register_by_name(solver, correspondences, {.noise_bound = estimated.noise_bound});
+    EXPECT_NEAR(estimated.log10_false_poses - given.log10_false_poses, 1.0, 1e-9);
+  }
 }
 
 /// Changes that scale the bound, or leave it, and nothing else.

@@ -53,8 +53,7 @@ Solver entry(std::string name, Facts facts, const detail::OptionList<Options>& l
     options.seed = task.seed;
     options.threads = task.threads;
     options.stop = task.stop;
-    // tcf-published does not test for significance.
-    if constexpr (requires { options.bounds_tried; }) options.bounds_tried = task.bounds_tried;
+    options.bounds_tried = task.bounds_tried;
     for (const OptionSetting& setting : settings) {
       for (const detail::ListedOption<Options>& listed : list) {
         if (listed.option.name == setting.name) listed.set(options, setting.value);

@@ -1,7 +1,9 @@
 #include <consimd/solvers/tcf_published.hpp>
 
+#include <algorithm>
 #include <utility>
 
+#include <consimd/kernels/elementary_functions.hpp>
 #include <consimd/solvers/one_point_ransac.hpp>
 #include <consimd/solvers/sa_cauchy_irls.hpp>
 #include <consimd/solvers/significance.hpp>
@@ -90,7 +92,8 @@ void solve(const Correspondences& correspondences, const TcfPublishedOptions& op
   }
   const WorkingPose pose = to_working_pose(irls.fit.pose);
   std::vector<std::uint32_t> inliers = detail::pose_inliers(correspondences.view(), pose, tau);
-  result.log10_false_poses = significance(correspondences, pose, tau).log10_false_poses;
+  result.log10_false_poses = significance(correspondences, pose, tau).log10_false_poses +
+                             elementary::log10(std::max(options.bounds_tried, 1U));
   if (inliers.size() < 3 || result.log10_false_poses >= detail::kSignificant) {
     result.status = Status::no_consensus;
     return;

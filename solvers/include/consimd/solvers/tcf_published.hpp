@@ -17,6 +17,8 @@ struct TcfPublishedOptions {
   std::uint64_t seed = 1;
   double confidence = 0.99;               ///< lambda, of each of the three sampling stages; in (0, 1)
   std::uint32_t max_iterations = 10'000;  ///< of each of them
+  /// Noise bounds that `noise_bound` was chosen from by looking at the data; each gives chance another try.
+  std::uint32_t bounds_tried = 1;
   /// At most so many threads, in an oneTBB arena of its own; 0: in the caller's arena.
   int threads = 0;
   StopCondition stop = {};  ///< ends the search early
