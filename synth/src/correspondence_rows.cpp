@@ -3,13 +3,11 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <initializer_list>
-#include <optional>
 #include <stdexcept>
 #include <string>
-#include <string_view>
 #include <utility>
 
+#include "named_columns.hpp"
 #include "number_table.hpp"
 
 namespace consimd::synth {
@@ -19,52 +17,6 @@ namespace fs = std::filesystem;
 
 [[noreturn]] void fail(const fs::path& path, const std::string& what) {
   throw std::runtime_error(shown_name(path) + ": " + what);
-}
-
-/// A name of a column in small letters.
-std::string lower_case(std::string_view name) {
-  std::string text;
-  for (const char c : name) text += c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
-  return text;
-}
-
-/// Which axis a column with this name has, at its beginning or its end: x1, source_y, "tz"; 3: none.
-std::size_t axis_of(const std::string& name) {
-  std::string letters = name;
-  while (!letters.empty() && ((letters.back() >= '0' && letters.back() <= '9') || letters.back() == '_')) {
-    letters.pop_back();
-  }
-  if (letters.empty()) return 3;
-  constexpr std::string_view kAxes = "xyz";
-  // A name of more letters ends in its axis behind a mark, or is its cloud's letter and the axis, or the other way
-  // round.
-  const std::size_t size = letters.size();
-  const bool marked = size > 2 && (letters[size - 2] == '_' || letters[size - 2] == '.' || letters[size - 2] == ' ');
-  if (size > 2 && !marked) return letters[1] == '_' ? std::min<std::size_t>(kAxes.find(letters[0]), 3) : 3;
-  if (size == 2 && letters[0] == 'n') return 3;  // of a normal
-  const std::size_t last = kAxes.find(letters.back());
-  return last < 3 ? last : std::min<std::size_t>(kAxes.find(letters.front()), 3);
-}
-
-/// Source x y z and target x y z among columns with names, if these tell: six of them are x y z x y z.
-std::optional<std::array<std::size_t, 6>> named_columns(const std::vector<std::string>& names) {
-  std::array<std::size_t, 6> columns{};
-  std::size_t count = 0;
-  for (std::size_t k = 0; k < names.size(); ++k) {
-    const std::size_t axis = axis_of(lower_case(names[k]));
-    if (axis == 3) continue;
-    if (count == 6 || axis != count % 3) return std::nullopt;
-    columns[count++] = k;
-  }
-  if (count < 6) return std::nullopt;
-  const auto begins = [&](std::size_t k, std::initializer_list<std::string_view> words) {
-    const std::string name = lower_case(names[columns[k]]);
-    return std::ranges::any_of(words, [&](std::string_view word) { return name.starts_with(word); });
-  };
-  if (begins(0, {"target", "tgt", "ref", "dst"}) && begins(3, {"source", "src"})) {
-    std::rotate(columns.begin(), columns.begin() + 3, columns.end());
-  }
-  return columns;
 }
 
 /// Whether the first number of each row counts the rows, from 0 or 1. Of a few rows that may be chance.
@@ -101,13 +53,22 @@ bool may_be_halves(const NumberTable& table) {
                  "say which of them are source x y z and target x y z, counted from 1, as in --columns 2,3,4,5,6,7");
 }
 
+[[noreturn]] void refuse_names(const NumberTable& table, const fs::path& path) {
+  std::string names;
+  for (const std::string& name : table.names) names.append(names.empty() ? "" : ", ").append(name);
+  fail(path,
+       "columns named " + names +
+           ", which do not tell source x y z and target x y z: say which they are, counted from 1, as in --columns "
+           "2,3,4,5,6,7");
+}
+
 /// The columns that the file tells.
 std::array<std::size_t, 6> columns_of(const NumberTable& table, const fs::path& path) {
   if (is_even(table)) {
     const std::size_t width = table.row(0).size();
-    if (table.names.size() == width) {
-      if (const auto named = named_columns(table.names)) return *named;
-    }
+    const NamedColumns named = table.names.size() == width ? columns_by_name(table.names) : NamedColumns{};
+    if (named.kind == NamedColumns::Kind::found) return named.columns;
+    if (named.kind == NamedColumns::Kind::unclear) refuse_names(table, path);
     if (width == 6) return {0, 1, 2, 3, 4, 5};
     if (width == 7 && has_index(table)) return {1, 2, 3, 4, 5, 6};
   }

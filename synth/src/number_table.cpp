@@ -193,6 +193,8 @@ std::vector<std::string> names_of(std::string_view line) {
   bool all = true;
   bool some = false;
   for_each_word(line, separator_of(line), [&](Word word) {
+    // The unit of the name before it.
+    if (!names.empty() && !word.quoted && (word.text.starts_with('[') || word.text.starts_with('('))) return;
     all = all && (word.text.empty() || is_name(word));
     some = some || !word.text.empty();
     names.emplace_back(word.text);

@@ -183,6 +183,27 @@ TEST_F(ColumnsTest, AreUnderstoodWhereTheyTell) {
   EXPECT_EQ(read(rows("", scored), std::vector<std::size_t>{5, 6, 7, 2, 3, 4}), swapped);
 }
 
+TEST_F(ColumnsTest, AreWhatTheirNamesSayInAnyOrder) {
+  const auto six = [](int k) { return point(k); };
+  const std::vector<double> in_order{1, 2, 3, 4, 5, 6}, swapped{4, 5, 6, 1, 2, 3}, in_turn{1, 3, 5, 2, 4, 6};
+  for (const char* const names : {"x2,y2,z2,x1,y1,z1", "tx,ty,tz,sx,sy,sz", "X_ref,Y_ref,Z_ref,X,Y,Z",
+                                  "qx,qy,qz,px,py,pz", "x10,y10,z10,x9,y9,z9", "p1_x,p1_y,p1_z,p0_x,p0_y,p0_z"}) {
+    EXPECT_EQ(read(rows(names + std::string("\n"), six)), swapped) << names;
+  }
+  for (const char* const names :
+       {"x1 [m],y1 [m],z1 [m],x2 [m],y2 [m],z2 [m]", "x,y,z,x,y,z", "x_from,y_from,z_from,x_to,y_to,z_to",
+        "ax,ay,az,bx,by,bz", "cam.x,cam.y,cam.z,map.x,map.y,map.z", "x,y,z,x',y',z'"}) {
+    EXPECT_EQ(read(rows(names + std::string("\n"), six)), in_order) << names;
+  }
+  EXPECT_EQ(read(rows("x1,x2,y1,y2,z1,z2\n", six)), in_turn);
+  EXPECT_EQ(read(rows("x2,x1,y2,y1,z2,z1\n", six)), (std::vector<double>{2, 4, 6, 1, 3, 5}));
+  for (const char* const names : {"x,y,z,nx,ny,nz", "x,y,z,r,g,b", "x,x,y,y,z,z", "x1,y1,x2,y2,x3,y3"}) {
+    EXPECT_THAT([&] { (void)read(rows(names + std::string("\n"), six)); },
+                testing::ThrowsMessage<std::exception>(testing::HasSubstr("which do not tell source x y z")))
+        << names;
+  }
+}
+
 TEST_F(ColumnsTest, AreAskedForWhereTheyDoNot) {
   const auto scored = [](int k) { return "0.5," + point(k); };
   const auto refused = [&](const std::string& text, const std::string& says, std::vector<std::size_t> columns = {}) {
