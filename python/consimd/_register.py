@@ -229,8 +229,8 @@ def register(
         float64 arrays are read in place, whatever their strides. Or `source` is a `Correspondences` and no target is
         given, which saves the preparation where the same rows are registered again.
     noise_bound: largest distance of a true correspondence's target from the moved source, in that unit; about three
-        times the noise's standard deviation per axis. None: estimated from the correspondences, which takes two to
-        twenty times as long.
+        times the noise's standard deviation per axis. None: estimated from the correspondences, which takes some
+        milliseconds more, tens of them at times (docs/statistical_model.md, "Noise bound").
     solver: one of `solvers()`, or a solver with options as the command takes it: "ransac:max_iterations=1000".
     seed: of the random samples; the same seed gives the same bits, on any number of threads and any processor.
     filter: "tcf" gives the solver only what the two filters of TCF keep; "none" gives it all.

@@ -63,7 +63,8 @@ def sweep(
     points: correspondences of a problem, a number or several.
     outliers: outlier ratios in [0, 1).
     sigma: standard deviations of the inliers' noise, metres an axis. None: 0.1 to 5 in 50 steps, the paper's.
-    trials: problems of a cell: of an outlier ratio, a noise level, and each of what follows that has several values. The defaults make the paper's study, 25 000 registrations.
+    trials: problems of a cell: of an outlier ratio, a noise level, and each of what follows that has several values.
+        The defaults make the paper's study, 25 000 registrations.
     solvers: one name or several, see `consimd.solvers()`; all see the same problems. Options may follow a name, as in
         "ransac:max_iterations=10000:confidence=none", and are part of it then. A mapping adds solvers of others:
         {"mine": f, "yours": "exec:./solver", "tcf": None}. f(source, target, noise_bound, seed) gets (N, 3) float64
@@ -81,18 +82,19 @@ def sweep(
     bound_factor: noise bounds that solvers are given, over 3 sigma; "estimated": they are given none.
     no_pose: share of the problems that have no true pose, in [0, 1).
         These four, and several numbers of points, go beyond the paper's study: the tables then have further columns.
-    out: a folder that gets trials.csv as trials end, then cells.csv, summary.json and, of several solvers, pairs.csv, solvers.csv
-        and curves.csv. The same call takes up a study
-        that was stopped; RuntimeError if the folder holds another one, unless `fresh` drops that.
+    out: a folder that gets trials.csv as trials end, then cells.csv, summary.json and, of several solvers, pairs.csv,
+        solvers.csv and curves.csv. The same call takes up a study that was stopped; RuntimeError if the folder holds
+        another one, unless `fresh` drops that.
     report: a file that gets a page to look at the study in a browser, without network: figures that tell their numbers,
         tables to sort and save, the machine and this call. Before anything is run: ValueError unless it is named
         *.html, RuntimeError if it cannot be written.
     progress: called with the numbers of trials done and of all, some ten times a second.
 
     A problem has its points in a cube of 200 m; solvers get the noise bound 3 sigma and succeed when the true inliers'
-    RMSE under the pose is below it (where a family's noise is not Gaussian: see docs/noise_study.md). The same data and results as `consimd sweep`, but for the times. Ctrl-C ends the
-    study with KeyboardInterrupt once the running problems are done; a folder keeps what they gave. RuntimeError that
-    names solver and trial if a function raises, or an answer is wrong.
+    RMSE under the pose is below it (where a family's noise is not Gaussian: see docs/problem_families.md). The same
+    data and results as `consimd sweep`, but for the times. Ctrl-C ends the study with KeyboardInterrupt once the
+    running problems are done; a folder keeps what they gave. RuntimeError that names solver and trial if a function
+    raises, or an answer is wrong.
     """
     command = call_text(sweep, locals())
     names, outside = named_solvers(solvers, versions or {})

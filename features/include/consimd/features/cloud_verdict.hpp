@@ -32,6 +32,11 @@ struct CloudVerdict {
 /// `no_consensus`, of two that fit the correspondences alike the one that they bear out is the `success`, as is one
 /// that had too few correspondences alone. The pose is refined on the correspondences where it was not theirs. Clouds
 /// without surfaces decide nothing. Adds the stage "verification": samples, those that agree, poses tried.
+///
+/// `registration` is one of `correspondences`, whose rows are points of the verifier's clouds: poses are in the
+/// caller's frames, its noise bound in the caller's unit. One without a pose and without a refused one stays as it is,
+/// without the stage. Throws std::invalid_argument on a pose that is not finite, or, where it has to be refined, on a
+/// noise bound that is not above 0 and at most 1e307.
 CloudVerdict decide(const PoseVerifier& verifier, const Correspondences& correspondences, Registration& registration);
 
 }  // namespace features

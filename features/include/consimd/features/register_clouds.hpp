@@ -42,13 +42,19 @@ struct CloudRegistration {
   std::optional<Refinement> refinement = std::nullopt;
 };
 
-/// Verifies a registration of `matches`, made of these clouds, and lets them decide (see cloud_verdict.hpp).
+/// Verifies a registration of `matches`, made of these clouds, and lets them decide: `decide` with a `PoseVerifier` of
+/// their voxels, see cloud_verdict.hpp. Of `options` it takes viewpoints and seed. `matches` must have the voxels that
+/// `match_clouds` leaves in it. A registration without a pose and without a refused one stays as it is, and only the
+/// status of the verdict is told. Throws std::invalid_argument on a viewpoint that is not finite, and as `decide`.
 CloudVerdict verify_registration(const Cloud& source, const Cloud& target, const CloudMatches& matches,
                                  const CloudMatchingOptions& options, Registration& registration);
 
-/// Refines the pose of a registration, which must have one, on the voxels of its clouds, within its noise bound. Where
-/// that converges the registration gets the refined pose and its covariance; status, inliers and significance stay
-/// those of the correspondences. Adds the stage "refine": source voxels, pairs, iterations.
+/// Refines the pose of a registration, caller's frames and unit, on the voxels of its clouds, within its noise bound.
+/// Where that converges the registration gets the refined pose and its covariance; status, inliers and significance
+/// stay those of the correspondences. Adds the stage "refine": source voxels, pairs, iterations. The registration must
+/// have a pose: this is not checked, and without one the identity would be refined. `matches` must have the voxels that
+/// `match_clouds` leaves in it. Throws std::invalid_argument as `refine`: on a noise bound that is not a finite length
+/// above 0, on voxels without the normals that the method needs, or on a pose that is not finite.
 Refinement refine_registration(const CloudMatches& matches, RefinementMethod method, Registration& registration);
 
 /// `match_clouds`, then `register_by_name`, then `verify_registration`, then, if asked for, `refine_registration`.

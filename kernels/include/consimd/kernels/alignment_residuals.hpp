@@ -15,11 +15,12 @@ namespace CONSIMD_EXPORT consimd {
 void alignment_counts(const CorrespondenceView& view, std::span<const WorkingPose> poses, double bound,
                       std::span<std::uint32_t> counts);
 
-/// Counts and truncated scores. poses, support: H.
+/// Counts and truncated scores (see PoseSupport), without a unit. poses, support: H. Throws as `alignment_counts`.
 void alignment_scores(const CorrespondenceView& view, std::span<const WorkingPose> poses, double bound,
                       std::span<PoseSupport> support);
 
-/// Counts and supporter bits: H rows of view.words() words, laid out as in `length_consistency_bits`.
+/// Counts and supporter bits: H rows of view.words() words, laid out as in `length_consistency_bits`. poses, counts: H;
+/// bits: H * view.words(). Throws as `alignment_counts`.
 void alignment_bits(const CorrespondenceView& view, std::span<const WorkingPose> poses, double bound,
                     std::span<std::uint64_t> bits, std::span<std::uint32_t> counts);
 

@@ -17,19 +17,22 @@ class ConsistencyMatrix {
 
   [[nodiscard]] static std::size_t memory_bytes(std::size_t correspondences) noexcept;
 
-  /// Fills the matrix, each pair once. Keeps its memory for the next call.
+  /// Fills the matrix, each pair once. Keeps its memory for the next call. bound: caller's unit, finite and > 0; the
+  /// working frame resolves it as `working_length` says. Throws std::invalid_argument on a bad bound, std::bad_alloc
+  /// without the memory.
   void compute(const CorrespondenceView& view, double bound);
 
   /// The same without short pairs, which determine a pose badly: bit j of row i also needs
   ///   |p_i - p_j| + |q_i - q_j| > separation,
   /// so the diagonal is clear. Without square roots: with a, b the squared lengths and m = separation^2 - (a + b),
-  /// m < 0 or m^2 < 4 a b. separation: caller's unit, finite and > 0.
+  /// m < 0 or m^2 < 4 a b. separation: caller's unit, finite and > 0. Throws as `compute`.
   void compute_separated(const CorrespondenceView& view, double bound, double separation);
 
   /// The same where the ratio of the lengths is bounded as well: bit j of row i also needs, with a, b the squared
   /// lengths,
   ///   |b - a| < ratio_bound (a + b),
-  /// which is |ln(b / a)| / 2 < artanh(ratio_bound), and false on the diagonal. ratio_bound: in (0, 1).
+  /// which is |ln(b / a)| / 2 < artanh(ratio_bound), and false on the diagonal. ratio_bound: in (0, 1). Throws as
+  /// `compute`.
   void compute_ratio(const CorrespondenceView& view, double bound, double ratio_bound);
 
   [[nodiscard]] std::size_t size() const noexcept { return size_; }
@@ -53,18 +56,19 @@ class ConsistencyMatrix {
 /// Number of bits set in `bits`.
 [[nodiscard]] std::uint32_t popcount(std::span<const std::uint64_t> bits);
 
-/// Number of bits set in both a and b (equal sizes).
+/// Number of bits set in both a and b. Throws std::invalid_argument unless they have equal sizes.
 [[nodiscard]] std::uint32_t and_popcount(std::span<const std::uint64_t> a, std::span<const std::uint64_t> b);
 
 /// counts[r] = bits set in both `set` and row rows[r] of `matrix`: the degrees of chosen members within the set.
 /// With set = matrix.row(i) and rows its neighbours j: the second-order measure of the edges (i, j), their common
 /// neighbours (SC2 of Z. Chen et al., CVPR 2022); a set diagonal makes i and j count among these, 2 too many.
-/// set: matrix.words() words; rows, counts: R. Throws std::invalid_argument on mismatched sizes.
+/// set: matrix.words() words; rows, counts: R. Throws std::invalid_argument on mismatched sizes, std::out_of_range on a
+/// row that the matrix lacks.
 void and_popcount_rows(const ConsistencyMatrix& matrix, std::span<const std::uint64_t> set,
                        std::span<const std::uint32_t> rows, std::span<std::uint32_t> counts);
 
 /// The same for rows of bits that lie one after the other, each of set.size() words. Throws std::invalid_argument
-/// unless `bits` are whole rows, or if counts and rows differ in size.
+/// unless `bits` are whole rows, or if counts and rows differ in size, std::out_of_range on a row that there is not.
 void and_popcount_rows(std::span<const std::uint64_t> bits, std::span<const std::uint64_t> set,
                        std::span<const std::uint32_t> rows, std::span<std::uint32_t> counts);
 

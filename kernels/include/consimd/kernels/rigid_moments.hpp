@@ -16,11 +16,16 @@ namespace CONSIMD_EXPORT consimd {
 /// Relative rounding about 1e-7 of the sum of the absolute terms.
 [[nodiscard]] RigidMoments weighted_moments(const CorrespondenceView& view, std::span<const float> weights);
 
-/// Moments over the correspondences whose bit is set. bits: view.words() words.
+/// Moments over the correspondences whose bit is set, each with weight 1, in the working frame; `residual` is 0. bits:
+/// view.words() words, whose bits from view.size() on are 0, as kernels leave them; a far row whose bit is set makes
+/// the moments NaN. The same sums as above. Throws std::invalid_argument on another number of words.
 [[nodiscard]] RigidMoments subset_moments(const CorrespondenceView& view, std::span<const std::uint64_t> bits);
 
-/// One pass of an iteratively reweighted fit: residuals under `pose`, weights from them, moments from these.
-/// Throws std::invalid_argument on a bad parameter.
+/// One pass of an iteratively reweighted fit: residuals under `pose`, weights from them, moments from these. `pose` and
+/// the moments are in the working frame, so is a pose fitted to them; scale and cutoff of `weight` are in the caller's
+/// unit. Far rows, and all rows under a pose with a NaN, have no weight. Throws std::invalid_argument on a scale or
+/// cutoff that is not finite and > 0, odds that are not finite and >= 0, or an exponent that is no power of two from 2
+/// to 64, whatever the function is.
 [[nodiscard]] RigidMoments robust_moments(const CorrespondenceView& view, const WorkingPose& pose,
                                           const RobustWeight& weight);
 

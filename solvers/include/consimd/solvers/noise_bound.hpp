@@ -20,7 +20,8 @@ struct NoiseBoundEstimate {
 /// pose beyond doubt. Where no pose is significant the bound is that of the least insignificant one, and a registration
 /// with it will say so. An empty input, or one of coincident points, gives a bound of 1.
 ///
-/// Takes about as long as ten registrations. The same bits for any number of threads and every ISA.
+/// Takes some milliseconds up to tens of them, whatever solver is called next: docs/statistical_model.md, "Noise
+/// bound", has the times. The same bits for any number of threads and every ISA.
 [[nodiscard]] NoiseBoundEstimate estimate_noise_bound(const Correspondences& correspondences, std::uint64_t seed);
 
 }  // namespace consimd

@@ -53,6 +53,7 @@ struct CompatibilityMatrices {
   ConsistencyMatrix loose;  ///< lengths differ by less than d
   ConsistencyMatrix tight;  ///< by less than d / 2: common neighbours are counted in it
 
+  /// Fills both. d: caller's unit, finite and > 0, as is d / 2. Throws as `ConsistencyMatrix::compute`.
   void compute(const CorrespondenceView& view, double d);
 };
 

@@ -35,7 +35,8 @@ struct TcfOptions {
 /// It differs from the paper (see tcf_published.hpp) where practice needs it: each one-point hypothesis is pruned to
 /// the members that agree pairwise; not one but every promising set goes to the three-point stage; its poses are ranked
 /// by their support among all correspondences; and the final fit re-selects inliers from all correspondences with the
-/// weights of a Gaussian-plus-uniform mixture. Throws std::invalid_argument on a bad option.
+/// posterior weights of Student inliers among uniform outliers (see pose_refinement.hpp). Throws std::invalid_argument
+/// on a bad option.
 [[nodiscard]] Registration register_tcf(const Correspondences& correspondences, const TcfOptions& options);
 
 /// The same where source[k] is to be brought to target[k]: ranges of points, or matrices of Eigen's, see
