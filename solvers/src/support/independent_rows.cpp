@@ -16,6 +16,12 @@ constexpr double kIndependent = 3.0;
 // Without a tenth of dependent rows, a search among the others would be the one that was.
 constexpr double kFewDependent = 0.9;
 
+// Rows a place from which on places recur, and how many are few: neighbours on a dense surface are close to one another
+// as well, but in many places. So many rows are looked at to tell.
+constexpr double kRecurring = 3.0;
+constexpr double kFewPlaces = 64.0;
+constexpr std::size_t kLookedAt = 32;
+
 using Cell = std::array<std::int64_t, 3>;
 
 // Of so many rows a look at each takes as long as finding those of 27 cells.
@@ -112,6 +118,24 @@ std::vector<std::uint32_t> independent_rows(const CorrespondenceView& view, doub
     rows.push_back(row);
   }
   return rows;
+}
+
+bool are_of_few_places(const CorrespondenceView& view, const std::vector<std::uint32_t>& rows, double noise_bound) {
+  const auto reach = static_cast<float>(noise_bound * view.scale());
+  const std::size_t looked_at = std::min(rows.size(), kLookedAt);
+  // Of as many rows at one place each is that part of a place.
+  double places = 0.0;
+  for (std::size_t k = 0; k < looked_at; ++k) {
+    const std::uint32_t row = rows[k * rows.size() / looked_at];
+    const Point p = source_point(view, row);
+    const Point q = target_point(view, row);
+    places += 1.0 / static_cast<double>(std::ranges::count_if(rows, [&](std::uint32_t other) {
+                return squared_distance(p, source_point(view, other)) <= reach * reach &&
+                       squared_distance(q, target_point(view, other)) <= reach * reach;
+              }));
+  }
+  const double share = places / static_cast<double>(std::max<std::size_t>(looked_at, 1));
+  return share * static_cast<double>(rows.size()) <= kFewPlaces && kRecurring * share <= 1.0;
 }
 
 std::vector<std::uint32_t> rows_for_another_search(const CorrespondenceView& view, double noise_bound) {

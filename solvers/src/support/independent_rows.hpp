@@ -17,4 +17,9 @@ namespace consimd::detail {
 /// of a pose whose supporters are few but far apart. None where they are fewer than three or nearly all.
 [[nodiscard]] std::vector<std::uint32_t> rows_for_another_search(const CorrespondenceView& view, double noise_bound);
 
+/// Whether `rows` tell of few places, each of which three of them or more have seen within the noise of one another.
+/// Told from some of them.
+[[nodiscard]] bool are_of_few_places(const CorrespondenceView& view, const std::vector<std::uint32_t>& rows,
+                                     double noise_bound);
+
 }  // namespace consimd::detail

@@ -1,5 +1,8 @@
 #include <consimd/solvers/tcf.hpp>
 
+#include <utility>
+#include <vector>
+
 #include <consimd/kernels/elementary_functions.hpp>
 
 #include "scale/rival_scale.hpp"
@@ -8,6 +11,7 @@
 #include "support/pose_candidate.hpp"
 #include "tcf/tcf_options.hpp"
 #include "tcf/tuned_tcf.hpp"
+#include "verdict/ambiguity.hpp"
 #include "verdict/final_pose.hpp"
 
 namespace consimd {
@@ -24,18 +28,31 @@ struct Judged {
 
 // The support of clusters outweighs that of a pose whose supporters are few but far apart. Among independent rows it
 // does not: the best poses of a search among them are held against what was found, and the most significant stays.
+// Looked for where what was found is not significant, or is the motion of few places that many rows tell of.
 void search_independent_rows(const Correspondences& correspondences, const detail::ConsensusSearchOptions& options,
                              const detail::PoseTest& test, Judged& judged) {
-  const std::vector<std::uint32_t> rows = detail::rows_for_another_search(correspondences.view(), test.noise_bound);
+  const CorrespondenceView view = correspondences.view();
+  if (judged.final.log10_false_poses < detail::kSignificant &&
+      !detail::are_of_few_places(view, judged.final.inliers, test.noise_bound)) {
+    return;
+  }
+  const std::vector<std::uint32_t> rows = detail::rows_for_another_search(view, test.noise_bound);
   if (rows.empty()) return;
   const Correspondences independent = correspondences.subset(rows);
   detail::ConsensusSearch search(independent, options);
   search.run(false);
+  const auto among_all = [&](const detail::PoseCandidate& found) {
+    return detail::scored(view, found.pose, test.noise_bound);
+  };
+  const detail::PoseCandidate& best = search.poses().best();
+  const detail::PoseCandidate& runner_up = search.poses().runner_up();
+  const bool are_rivals = runner_up.support.count >= 3 && detail::is_rival(runner_up.support.count, best.support.count);
   const detail::BestPoses former = judged.poses;
-  for (const detail::PoseCandidate& found : {search.poses().best(), search.poses().runner_up()}) {
+  for (const auto& [found, other] : {std::pair(best, runner_up), std::pair(runner_up, best)}) {
     if (found.support.count < 3) continue;
     detail::BestPoses poses = former;
-    poses.promote(detail::scored(correspondences.view(), found.pose, test.noise_bound));
+    if (are_rivals) poses.promote(among_all(other));
+    poses.promote(among_all(found));
     detail::FinalPose final = detail::finish(correspondences, test, poses);
     final.log10_false_poses += elementary::log10(kSearches);
     if (final.log10_false_poses >= judged.final.log10_false_poses) continue;
@@ -71,9 +88,7 @@ void solve(const Correspondences& correspondences, const TcfOptions& options, co
     const detail::FinalPose final =
         detail::finish(correspondences, test, poses, detail::Refinement::full, search.settled());
     if (!careful || final.log10_false_poses < judged.final.log10_false_poses) judged = {poses, final};
-    if (!careful && !search.stopped() && final.log10_false_poses >= detail::kSignificant) {
-      search_independent_rows(correspondences, search_options, test, judged);
-    }
+    if (!careful && !search.stopped()) search_independent_rows(correspondences, search_options, test, judged);
     if (judged.final.log10_false_poses < detail::kSignificant) break;
   }
   const auto& [poses, final] = judged;
