@@ -160,7 +160,14 @@ CloudPair read_clouds(const std::string& source, const std::string& target, cons
   if (source == "-" && target == "-") {
     throw std::invalid_argument("SOURCE and TARGET are both '-': the standard input holds one cloud");
   }
-  return {features::read_cloud(source, arguments.missing), features::read_cloud(target, arguments.missing)};
+  const auto read = [&](const std::string& file) {
+    Cloud cloud = features::read_cloud(file, arguments.missing);
+    if (!cloud.empty()) return cloud;
+    const std::string left_out =
+        cloud.left_out() > 0 ? fmt::format(": all of its {} rows are without a place", cloud.left_out()) : "";
+    throw std::runtime_error(fmt::format("{}: holds no points{}", file, left_out));
+  };
+  return {read(source), read(target)};
 }
 
 std::string correspondence_text(const features::CloudMatches& matches) {

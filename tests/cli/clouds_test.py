@@ -256,7 +256,7 @@ class Clouds(CommandTest):
         source, target = self.clouds()
         (self.folder / "empty.xyz").write_text("")
         (self.folder / "cut.ply").write_bytes((self.folder / source).read_bytes()[:-1])
-        self.assert_error("register", source, "empty.xyz", says="the target cloud is empty")
+        self.assert_error("register", source, "empty.xyz", says="empty.xyz: holds no points")
         self.assert_error("register", "cut.ply", target, says="cut.ply: ends before its 20000 points do")
         self.assert_error("register", source, target, "--voxel", 500, says="voxel is 500")
         self.assert_error("register", source, target, "--voxel", 1e-9, says="voxel is 1e-09")

@@ -65,6 +65,15 @@ class RegisterErrors(CommandTest):
         for first, second in (("--json", "--save-pose"), ("--json", "--save-inliers"), ("--save-pose", "--save-inliers")):
             self.assert_error("register", file, first, "-", second, "-", says=f"'-' is written twice, by {first} too")
 
+    def test_outputs_that_are_inputs(self):
+        text = "1 2 3 4 5 6\n" * 5
+        file, other = self.write("good.txt", text), self.write("other.txt", text)
+        for option in ("--save-pose", "--save-inliers", "--json", "--view"):
+            self.assert_error("register", file, option, "./good.txt", says=f"{option}: './good.txt' is what FILE reads")
+        self.assert_error("register", file, other, "--pairs", "rows", "--view", other, says="is what TARGET reads")
+        self.assert_error("register", file, "--truth", "pose.txt", "--save-pose", "pose.txt", says="is what --truth reads")
+        self.assertEqual((self.folder / "good.txt").read_text(), text)
+
     def test_unwritable_json(self):
         file = self.write("good.txt", "1 2 3 4 5 6\n" * 5)
         for target in ("missing/out.json", "good.txt/out.json", "."):

@@ -64,17 +64,16 @@ inline Street street(std::uint32_t seed, bool bare = false) {
 }
 
 /// The scan from (x, 0, 1.7) by a scanner turned by `yaw`, in its frame; noise of 2 cm.
-inline Points scan_of(const Street& street, double x, double yaw, std::uint32_t seed) {
-  constexpr int kColumns = 720;
-  constexpr int kRings = 40;
+inline Points scan_of(const Street& street, double x, double yaw, std::uint32_t seed, int rings = 40,
+                      int columns = 720) {
   constexpr double kFarthest = 70.0;
   std::mt19937 random(seed);
   const Eigen::Vector3d eye(x, 0.0, 1.7);
   Points points;
-  for (int ring = 0; ring < kRings; ++ring) {
-    const double elevation = -0.42 + 0.014 * ring;
-    for (int column = 0; column < kColumns; ++column) {
-      const double azimuth = 2.0 * 3.141592653589793 * (column + 0.5 * uniform(random)) / kColumns;
+  for (int ring = 0; ring < rings; ++ring) {
+    const double elevation = -0.42 + 0.56 / rings * ring;
+    for (int column = 0; column < columns; ++column) {
+      const double azimuth = 2.0 * 3.141592653589793 * (column + 0.5 * uniform(random)) / columns;
       const Eigen::Vector3d ray(std::cos(azimuth + yaw) * std::cos(elevation),
                                 std::sin(azimuth + yaw) * std::cos(elevation), std::sin(elevation));
       const double range = street.range(eye, ray) + 0.02 * uniform(random);

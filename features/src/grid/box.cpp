@@ -31,4 +31,13 @@ Box box_around(const Cloud& cloud) {
   return box;
 }
 
+double extent(const Cloud& cloud) {
+  const Box box = box_around(cloud);
+  double longest = 0.0;
+  for (std::size_t c = 0; c < 3; ++c) {
+    longest = std::max(longest, static_cast<double>(box.high[c]) - static_cast<double>(box.low[c]));
+  }
+  return longest / cloud.scale();
+}
+
 }  // namespace consimd::features::detail

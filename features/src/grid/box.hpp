@@ -16,4 +16,7 @@ struct Box {
 /// The smallest that holds all points; that of an empty cloud is at the origin, without extent.
 [[nodiscard]] Box box_around(const Cloud& cloud);
 
+/// Its longest side, caller's unit.
+[[nodiscard]] double extent(const Cloud& cloud);
+
 }  // namespace consimd::features::detail

@@ -16,23 +16,12 @@
 #include <consimd/features/normals.hpp>
 #include <consimd/features/point_subset.hpp>
 #include <consimd/features/voxel_grid.hpp>
-#include <consimd/kernels/elementary_functions.hpp>
 
 #include "grid/box.hpp"
 #include "grid/neighbourhoods.hpp"
 
 namespace consimd::features {
 namespace {
-
-/// Longest side of the box around a cloud, caller's unit.
-double extent(const Cloud& cloud) {
-  const detail::Box box = detail::box_around(cloud);
-  double longest = 0.0;
-  for (std::size_t c = 0; c < 3; ++c) {
-    longest = std::max(longest, static_cast<double>(box.high[c]) - static_cast<double>(box.low[c]));
-  }
-  return longest / cloud.scale();
-}
 
 std::string shown(double value) {
   char text[32];
@@ -77,7 +66,7 @@ std::string hint_of(double source_extent, double target_extent) {
 
 double voxel_of(const Cloud& source, const Cloud& target, const CloudMatchingOptions& options) {
   if (!options.voxel) return std::max(choose_voxel(source), choose_voxel(target));
-  const double longest = std::max(extent(source), extent(target));
+  const double longest = std::max(detail::extent(source), detail::extent(target));
   if (!std::isfinite(*options.voxel) || *options.voxel <= 0.0 || (longest > 0.0 && *options.voxel > longest)) {
     throw std::invalid_argument("voxel is " + shown(*options.voxel) + ", expected a length above 0 and below " +
                                 shown(longest) + ", that of the clouds; " +
@@ -159,40 +148,7 @@ void take_points(const Side& source, const Side& target, CloudMatches& result) {
   if (source.viewpoint) result.correspondences.set_source_viewpoint(*source.viewpoint);
 }
 
-// Rounded to two decimal digits.
-double with_two_digits(double length) {
-  const double digit = std::clamp(std::floor(elementary::log10(length)) - 1.0, -300.0, 300.0);
-  double power = 1.0;
-  for (double k = 0.0; k < std::abs(digit); ++k) power *= 10.0;
-  const double rounded = digit < 0.0 ? std::round(length * power) / power : std::round(length / power) * power;
-  return rounded > 0.0 ? rounded : length;
-}
-
 }  // namespace
-
-double choose_voxel(const Cloud& cloud) {
-  if (cloud.empty()) throw std::invalid_argument("the cloud is empty: no voxel suits it");
-  const double length = extent(cloud);
-  if (!(length > 0.0)) return 1.0;
-  const double wanted = std::min(12000.0, 0.75 * static_cast<double>(cloud.size()));
-  // The number of voxels falls about with the square of their side, of surfaces, so that a few steps suffice as a rule.
-  constexpr int kSteps = 16;
-  constexpr double kSmallestShare = 0x1p-18;
-  double low = kSmallestShare * length;
-  double high = length;
-  double voxel = length / 256.0;
-  for (int step = 0; step < kSteps; ++step) {
-    const std::size_t count = occupied_voxels(cloud, voxel);
-    const double ratio = static_cast<double>(count) / wanted;
-    if (std::abs(ratio - 1.0) < 0.05) break;
-    (ratio > 1.0 ? low : high) = voxel;
-    // Where nearly every point has a voxel of its own, their number says little about the side that is wanted.
-    const bool alone = static_cast<double>(count) > 0.95 * static_cast<double>(cloud.size());
-    voxel *= alone ? 2.0 : std::sqrt(ratio);
-    if (!(voxel > low && voxel < high)) voxel = std::sqrt(low * high);
-  }
-  return with_two_digits(voxel);
-}
 
 CloudMatches match_clouds(const Cloud& source, const Cloud& target, const CloudMatchingOptions& options) {
   require_points(source, "source");
@@ -211,7 +167,7 @@ CloudMatches match_clouds(const Cloud& source, const Cloud& target, const CloudM
   } else {
     result.voxel = voxel_of(source, target, options);
   }
-  result.hint = hint_of(extent(source), extent(target));
+  result.hint = hint_of(detail::extent(source), detail::extent(target));
   const double radius = options.descriptor_radius * result.voxel;
 
   stages.run("voxel_grid", [&](Side& side) {

@@ -91,6 +91,7 @@ CloudVerdict decide(const PoseVerifier& verifier, const Correspondences& corresp
       verdict.log10_of_both = verdict.runner_up->log10_chance + rival.log10_false_poses;
       take(rival, correspondences, registration);
       registration.runner_up.reset();
+      std::swap(verdict.pose, verdict.runner_up);  // what the verdict tells is of the pose that is taken
     } else if (has_pose && !stands) {
       refuse(registration);
     } else if (registration.status == Status::ambiguous && !rival_stands) {

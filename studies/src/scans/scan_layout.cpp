@@ -25,7 +25,8 @@ constexpr ScanLayout kLayouts[] = {
 };
 
 // Of clouds that features::read_cloud reads.
-constexpr std::string_view kCloudEndings[] = {".ply", ".pcd", ".npy", ".bin", ".xyz", ".pts", ".asc", ".csv", ".txt"};
+constexpr std::string_view kCloudEndings[] = {".ply", ".pcd", ".npy", ".npz", ".las", ".bin",
+                                              ".xyz", ".pts", ".asc", ".csv", ".txt"};
 
 void require_known_layout(std::string_view name) {
   if (std::ranges::find(kLayouts, name, &ScanLayout::name) != std::end(kLayouts)) return;

@@ -12,8 +12,9 @@ namespace consimd {
 namespace CONSIMD_EXPORT features {
 
 struct CloudVerdict {
-  /// How the clouds agree at the correspondences' pose, or at the one that they were too few for
-  /// (Registration::refused); none where there is neither.
+  /// How the clouds agree at the registration's pose, or at the one that the correspondences were too few for
+  /// (Registration::refused); none where there is neither. Where the rival was taken for the pose, `runner_up` is of
+  /// the pose that the correspondences gave.
   std::optional<PoseEvidence> pose = std::nullopt;
   std::optional<PoseEvidence> runner_up = std::nullopt;
   /// log10 of the chance of the pose that stands: that of the clouds' agreement times the number of such poses that the
