@@ -24,6 +24,13 @@ constexpr double kLeastOfBoth = -8.0;
 // voxels off 0.06, and half of those between different places 0.3 or more.
 constexpr double kSeenThrough = 0.1;
 
+// Share of a pose's agreement from which on a rival is as good, as of correspondences.
+constexpr double kRivalAgreement = 0.8;
+
+bool is_seen_through(const PoseEvidence& evidence) {
+  return evidence.seen_through > kSeenThrough * (evidence.agreement + evidence.seen_through);
+}
+
 /// The pose, or its rival, as the registration's result.
 void take(const RunnerUp& found, const Correspondences& correspondences, Registration& registration) {
   const RefinedPose refined =
@@ -56,12 +63,17 @@ void refuse(Registration& registration) {
   registration.runner_up.reset();
 }
 
+/// Whether the clouds speak against a rival of a pose: it agrees less by more than what makes an ambiguous result, or
+/// is seen through.
+bool is_ruled_out(const PoseEvidence& rival, const PoseEvidence& pose) {
+  return rival.agreement < kRivalAgreement * pose.agreement || is_seen_through(rival);
+}
+
 }  // namespace
 
 bool is_borne_out(const PoseEvidence& evidence, double log10_false_poses) noexcept {
-  const double telling = evidence.agreement + evidence.seen_through;
-  return evidence.samples > 0 && evidence.seen_through <= kSeenThrough * telling &&
-         evidence.log10_chance <= kLeastChance && evidence.log10_chance + log10_false_poses <= kLeastOfBoth;
+  return evidence.samples > 0 && !is_seen_through(evidence) && evidence.log10_chance <= kLeastChance &&
+         evidence.log10_chance + log10_false_poses <= kLeastOfBoth;
 }
 
 CloudVerdict decide(const PoseVerifier& verifier, const Correspondences& correspondences, Registration& registration) {
@@ -94,7 +106,8 @@ CloudVerdict decide(const PoseVerifier& verifier, const Correspondences& corresp
       std::swap(verdict.pose, verdict.runner_up);  // what the verdict tells is of the pose that is taken
     } else if (has_pose && !stands) {
       refuse(registration);
-    } else if (registration.status == Status::ambiguous && !rival_stands) {
+    } else if (registration.status == Status::ambiguous && !rival_stands &&
+               is_ruled_out(*verdict.runner_up, *verdict.pose)) {
       registration.status = Status::success;
       registration.runner_up.reset();
     }
