@@ -137,8 +137,9 @@ TEST(AssumedInliers, ThatAreInAnotherOrderFitNoMotion) {
     Problem problem = targets(5 + trial % 20, 0.01, trial);
     std::ranges::rotate(problem.target, problem.target.begin() + 3 * static_cast<std::ptrdiff_t>(problem.size() / 2));
     const AssumedInliers found = register_assumed_inliers(problem.correspondences());
-    // Few points in another order may be some mirror image; a motion they are not.
+    // Few points in another order half fit a motion, which their residuals show.
     if (found.geometry == PointGeometry::determined) {
+      EXPECT_LT(problem.size(), 8U);
       EXPECT_GT(found.sigma, 1.0) << "trial " << trial;
       continue;
     }

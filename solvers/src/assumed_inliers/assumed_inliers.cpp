@@ -27,6 +27,8 @@ constexpr double kResolution = 1e-7;
 // A scale or a reflection that leaves less than this share of the squared residuals, or a row without which less is
 // left, is what the residuals are about. A pose that leaves more of the squared extent does not fit.
 constexpr double kLeft = 0.01;
+// A pose that leaves more of it tells nothing, however well many rows determine it: rows at random leave all and more.
+constexpr double kMeaningless = 0.5;
 // The noise of four rows looks like an odd one in 6 of 1000 (4000 draws), that of five or more never did.
 constexpr std::size_t kLeastWithOddRow = 5;
 // A row that makes up most of the residuals has one of the largest, however far it pulls the pose.
@@ -77,8 +79,10 @@ struct Sums {
     const double count = moments.weight;
     const PointGeometry exact = std::max(source.geometry(count, 0.0), target.geometry(count, 0.0));
     if (exact != PointGeometry::determined) return exact;
+    const double extent = std::min(source.extent(count), target.extent(count));
+    if (squares > kMeaningless * extent) return PointGeometry::contradictory;
     const PointGeometry found = std::max(source.geometry(count, sigma), target.geometry(count, sigma));
-    const bool fits = squares < kLeft * std::min(source.extent(count), target.extent(count));
+    const bool fits = squares < kLeft * extent;
     return found == PointGeometry::determined || fits ? found : PointGeometry::contradictory;
   }
 
