@@ -24,6 +24,8 @@ constexpr double kLeastDifference = 1e-3;
 // Rows that a scale is searched among at a noise bound that was given: the search looks at all pairs, a fifth of a
 // second on one core. A twentieth of them right is enough for it.
 constexpr std::size_t kScaleRows = 1024;
+// Triples of the best-ranked rows that are looked at: those of a scale that is there are among the first of them.
+constexpr std::uint64_t kTriples = 20'000'000;
 // And where none was given, at each of these shares of the target's extent: the bound that ends a search in vain tells
 // nothing, and is far from any noise where the clouds differ in size.
 constexpr std::size_t kScaleRowsWithoutBound = 512;
@@ -65,8 +67,8 @@ std::optional<double> other_scale(const Correspondences& correspondences, const 
   }
   for (const double bound : bounds) {
     if (!(bound > 0.0)) continue;
-    const Registration scaled =
-        register_pcr99(some, {.noise_bound = bound, .seed = result.seed, .estimate_scale = true});
+    const Registration scaled = register_pcr99(
+        some, {.noise_bound = bound, .seed = result.seed, .estimate_scale = true, .max_triples = kTriples});
     const double least = std::max(kDeviations * scaled.scale_deviation, kLeastDifference);
     if (scaled.has_pose() && std::abs(scaled.scale - 1.0) > least) return scaled.scale;
   }
