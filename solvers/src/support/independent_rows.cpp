@@ -16,11 +16,12 @@ constexpr double kIndependent = 3.0;
 // Without a tenth of dependent rows, a search among the others would be the one that was.
 constexpr double kFewDependent = 0.9;
 
-// Rows a place from which on places recur, and how many are few: neighbours on a dense surface are close to one another
-// as well, but in many places. So many rows are looked at to tell.
-constexpr double kRecurring = 3.0;
-constexpr double kFewPlaces = 64.0;
-constexpr std::size_t kLookedAt = 32;
+// Rows a place from which on places recur, and how many places are few: neighbours on a dense surface are close to one
+// another as well, but in many places. Among as many rows as the product few places recur. So many of them are looked
+// at to tell.
+constexpr std::size_t kRecurring = 3;
+constexpr std::size_t kFewPlaces = 64;
+constexpr std::size_t kLookedAt = 8;
 
 using Cell = std::array<std::int64_t, 3>;
 
@@ -122,20 +123,26 @@ std::vector<std::uint32_t> independent_rows(const CorrespondenceView& view, doub
 
 bool are_of_few_places(const CorrespondenceView& view, const std::vector<std::uint32_t>& rows, double noise_bound) {
   const auto reach = static_cast<float>(noise_bound * view.scale());
-  const std::size_t looked_at = std::min(rows.size(), kLookedAt);
+  const std::size_t count = std::min(rows.size(), kRecurring * kFewPlaces);
+  const std::size_t looked_at = std::min(count, kLookedAt);
+  const auto row_at = [&](std::size_t k, std::size_t of) { return rows[k * rows.size() / of]; };
   // Of as many rows at one place each is that part of a place.
   double places = 0.0;
   for (std::size_t k = 0; k < looked_at; ++k) {
-    const std::uint32_t row = rows[k * rows.size() / looked_at];
+    const std::uint32_t row = row_at(k * count / looked_at, count);
     const Point p = source_point(view, row);
     const Point q = target_point(view, row);
-    places += 1.0 / static_cast<double>(std::ranges::count_if(rows, [&](std::uint32_t other) {
-                return squared_distance(p, source_point(view, other)) <= reach * reach &&
-                       squared_distance(q, target_point(view, other)) <= reach * reach;
-              }));
+    std::size_t there = 0;
+    for (std::size_t j = 0; j < count; ++j) {
+      const std::uint32_t other = row_at(j, count);
+      if (squared_distance(p, source_point(view, other)) <= reach * reach &&
+          squared_distance(q, target_point(view, other)) <= reach * reach) {
+        ++there;
+      }
+    }
+    places += 1.0 / static_cast<double>(there);
   }
-  const double share = places / static_cast<double>(std::max<std::size_t>(looked_at, 1));
-  return share * static_cast<double>(rows.size()) <= kFewPlaces && kRecurring * share <= 1.0;
+  return looked_at > 0 && static_cast<double>(kRecurring) * places <= static_cast<double>(looked_at);
 }
 
 std::vector<std::uint32_t> rows_for_another_search(const CorrespondenceView& view, double noise_bound) {
