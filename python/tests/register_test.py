@@ -213,7 +213,7 @@ def test_assumed_inliers():
     assert consimd.register(corners, corners, assume_inliers=True).other_scale is None
     far_off = consimd.register(corners, 1000 * corners @ turn.T, assume_inliers=True)
     assert np.isclose(far_off.other_scale, 1000) and far_off.geometry == "contradictory"
-    odd = corners[[0, 1, 2, 3, 0, 1]] + [[0, 0, 0]] * 4 + [[0, 0, 5]] * 2
+    odd = np.vstack([corners, corners[:2] + [0, 0, 5]])
     assert consimd.register(odd, odd, assume_inliers=True).odd_row is None
     assert consimd.register(odd, odd + 3 * (np.arange(6) == 4)[:, None], assume_inliers=True).odd_row == 4
     with pytest.raises(TypeError, match="assume_inliers"):
