@@ -135,7 +135,8 @@ TEST(AssumedInliers, OfAnotherScaleOrAMirrorImageAreNamed) {
 TEST(AssumedInliers, ThatAreInAnotherOrderFitNoMotion) {
   for (std::uint64_t trial = 0; trial < 100; ++trial) {
     Problem problem = targets(5 + trial % 20, 0.01, trial);
-    std::ranges::rotate(problem.target, problem.target.begin() + 3 * static_cast<std::ptrdiff_t>(problem.size() / 2));
+    std::rotate(problem.target.begin(), problem.target.begin() + 3 * static_cast<std::ptrdiff_t>(problem.size() / 2),
+                problem.target.end());
     const AssumedInliers found = register_assumed_inliers(problem.correspondences());
     // Few points in another order half fit a motion, which their residuals show.
     if (found.geometry == PointGeometry::determined) {
