@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <map>
 #include <stdexcept>
+#include <system_error>
 #include <utility>
 
 #include <fmt/format.h>
@@ -52,15 +53,8 @@ void check_outputs(const RegisterOptions& options) {
       {.option = "--save-aligned", .file = options.clouds.save_aligned},
       {.option = "--view", .file = options.view},
       {.option = "--picture", .file = options.picture}};
-  const auto place_of = [](const std::string& file) {
-    return file == "-" ? std::filesystem::path(file)
-                       : std::filesystem::weakly_canonical(std::filesystem::absolute(file));
-  };
-  std::map<std::filesystem::path, const char*> read;
-  for (const auto& [name, file] : {std::pair("FILE", options.file), std::pair("TARGET", options.target),
-                                   std::pair("--pairs", options.pairs), std::pair("--truth", options.truth)}) {
-    if (!file.empty() && file != "-") read.emplace(place_of(file), name);
-  }
+  const std::pair<const char*, std::filesystem::path> inputs[] = {
+      {"FILE", options.file}, {"TARGET", options.target}, {"--pairs", options.pairs}, {"--truth", options.truth}};
   std::map<std::filesystem::path, const char*> written;
   for (const Output& output : outputs) {
     if (output.file.empty()) continue;
@@ -72,10 +66,15 @@ void check_outputs(const RegisterOptions& options) {
       throw std::invalid_argument(
           fmt::format("{}: expected a file; only --json, --save-pose and --save-inliers take '-'", output.option));
     }
-    const std::filesystem::path place = place_of(output.file);
-    if (const auto input = read.find(place); input != read.end()) {
+    const std::filesystem::path place =
+        is_stream ? std::filesystem::path(output.file) : std::filesystem::absolute(output.file).lexically_normal();
+    for (const auto& [name, file] : inputs) {
+      // By any name; devices lose nothing.
+      std::error_code none;
+      if (is_stream || !std::filesystem::is_regular_file(file, none)) continue;
+      if (!std::filesystem::equivalent(file, output.file, none)) continue;
       throw std::invalid_argument(
-          fmt::format("{}: '{}' is what {} reads, and would be lost", output.option, output.file, input->second));
+          fmt::format("{}: '{}' is what {} reads, and would be lost", output.option, output.file, name));
     }
     if (const auto [other, is_new] = written.emplace(place, output.option); !is_new) {
       throw std::invalid_argument(
@@ -156,7 +155,7 @@ void add_register_options(CLI::App& command, RegisterOptions& options) {
       "--no-verification", options.clouds.no_verification,
       "Of clouds: let the correspondences decide alone. Otherwise a pose must be borne out by the clouds' "
       "surfaces and by what each scan saw through, and where none is sure the front end is tried once more "
-      "with coarser voxels, and a third time for scans of few rings that no --voxel is given of");
+      "with coarser voxels, and without --voxel a third time, for scans of few rings");
   command.add_option(
       "--noise-bound", options.noise_bound,
       "Largest distance of a true correspondence's target from the moved source, in the file's unit; about 3 "

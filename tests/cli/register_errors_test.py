@@ -71,7 +71,9 @@ class RegisterErrors(CommandTest):
         for option in ("--save-pose", "--save-inliers", "--json", "--view"):
             self.assert_error("register", file, option, "./good.txt", says=f"{option}: './good.txt' is what FILE reads")
         self.assert_error("register", file, other, "--pairs", "rows", "--view", other, says="is what TARGET reads")
-        self.assert_error("register", file, "--truth", "pose.txt", "--save-pose", "pose.txt", says="is what --truth reads")
+        self.write("pose.txt", "1 0 0 0\n0 1 0 0\n0 0 1 0\n")
+        (self.folder / "link.txt").symlink_to("pose.txt")
+        self.assert_error("register", file, "--truth", "pose.txt", "--save-pose", "link.txt", says="is what --truth reads")
         self.assertEqual((self.folder / "good.txt").read_text(), text)
 
     def test_unwritable_json(self):

@@ -89,7 +89,7 @@ class KeptRows {
     return part(cell[0]) | (part(cell[1]) << 21U) | (part(cell[2]) << 42U);
   }
 
-  // Of the cell and those beside it.
+  // The keys of a cell and of those beside it.
   [[nodiscard]] static std::array<std::uint64_t, kNeighbours> keys_about(const Cell& cell) {
     std::array<std::uint64_t, kNeighbours> keys{};
     for (int n = 0; n < static_cast<int>(kNeighbours); ++n) {
