@@ -47,7 +47,7 @@ std::optional<NamedAxis> named_axis(const std::string& name) {
   };
   if (name.empty()) return std::nullopt;
   if (name.size() == 1) return read(name.front(), '_', "");
-  // x1 and source_x1 as well as 1x and source1_x.
+  // The axis may stand before digits, as in x1 and source_x1.
   const std::size_t end = name.find_last_not_of("0123456789_");
   if (end != std::string::npos && end > 0) {
     if (auto last = read(name[end], name[end - 1], name.substr(0, end) + name.substr(end + 1))) return last;
@@ -100,7 +100,7 @@ NamedColumns columns_by_name(const std::vector<std::string>& names) {
     const std::optional<NamedAxis> named = named_axis(plain(names[column]));
     if (!named) continue;
     axes.push_back(named->axis);
-    // The last cloud of that name without this axis; where all have it, another of that name begins.
+    // It belongs to the cloud of that name that lacks this axis; where none does, another of that name begins.
     const auto lacks = [&](const Cloud& cloud) {
       return cloud.name == named->cloud && cloud.columns[named->axis] == kNone;
     };

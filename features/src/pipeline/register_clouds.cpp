@@ -17,8 +17,8 @@ constexpr double kCoarser = 1.5;
 // correspondences leave in doubt are often beyond it there.
 constexpr double kBeyondDoubt = -12.0;
 // Points a voxel, of attempts after the first one: scans of 16 beams, or thinned out along their rings, have surfaces
-// from then on (of twelve streets scanned so 1 is found at first, 5 with four points and 11 with eight; of twenty
-// objects of 2000 points all at first, 2 with eight).
+// from then on: of twelve streets scanned so 1 is found at first, 5 with four points and 11 with eight; of fourteen
+// objects of 2000 points all at first, 13 with four and 2 with eight.
 constexpr double kPointsAcrossRings[] = {4.0, 8.0};
 constexpr std::size_t kFewVoxels = 64;
 
