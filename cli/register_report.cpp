@@ -73,10 +73,22 @@ Json pose_json(const RunnerUp& pose, bool estimate_scale) {
 }
 
 Json evidence_json(const features::PoseEvidence& evidence) {
-  return {{"log10_chance", evidence.log10_chance},
-          {"agreement", evidence.agreement},
-          {"seen_through", evidence.seen_through},
-          {"samples", evidence.samples}};
+  Json json = {{"log10_chance", evidence.log10_chance},
+               {"agreement", evidence.agreement},
+               {"seen_through", evidence.seen_through},
+               {"samples", evidence.samples},
+               {"displaced_agreement", evidence.displaced_agreement},
+               {"displaced_seen_through", evidence.displaced_seen_through},
+               {"scale", evidence.scaled.scale},
+               {"gain_by_scale", evidence.scaled.gain},
+               {"rival", nullptr}};
+  if (evidence.rival) {
+    json["rival"] = {{"share_of_score", evidence.rival->share_of_score},
+                     {"agreement", evidence.rival->agreement},
+                     {"seen_through", evidence.rival->seen_through},
+                     {"T_target_source", rows_of(evidence.rival->T_target_source.matrix())}};
+  }
+  return json;
 }
 
 Json verdict_json(const features::CloudVerdict& verdict) {
@@ -139,6 +151,14 @@ std::string verdict_text(const features::CloudVerdict& verdict, const Registrati
       fmt::format("clouds        agree at {:.0f} % of {} places, see through {:.1f} %; 10^{:.1f} by chance\n",
                   100.0 * verdict.pose->agreement, verdict.pose->samples, 100.0 * verdict.pose->seen_through,
                   verdict.pose->log10_chance);
+  if (verdict.runner_up) {
+    text += fmt::format("              at the runner-up's pose at {:.0f} %, see through {:.1f} %\n",
+                        100.0 * verdict.runner_up->agreement, 100.0 * verdict.runner_up->seen_through);
+  }
+  if (features::is_of_another_scale(*verdict.pose)) {
+    text += fmt::format("              and {:.2f} times as well with the source scaled by {:.4g}: of one scale?\n",
+                        verdict.pose->scaled.gain, verdict.pose->scaled.scale);
+  }
   if (verdict.of_correspondences != run.status) {
     text += fmt::format("              and decide: the correspondences alone gave {}\n",
                         to_string(verdict.of_correspondences));

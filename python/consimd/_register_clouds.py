@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any, Literal, NamedTuple
 
 from consimd import _core
 from consimd._register import Registration, Status, _registration
-from consimd.features import CloudMatches, CloudVerdict, PoseEvidence, _matches, _refinement, match_clouds
+from consimd.features import CloudMatches, CloudVerdict, _evidence, _matches, _refinement, match_clouds
 
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike
@@ -63,8 +63,7 @@ def register_clouds(
     verdict = None
     if fields["verdict"] is not None:
         pose, runner_up, log10_of_both, status = fields["verdict"]
-        evidence = [None if numbers is None else PoseEvidence(*numbers) for numbers in (pose, runner_up)]
-        verdict = CloudVerdict(evidence[0], evidence[1], log10_of_both, Status(status))
+        verdict = CloudVerdict(_evidence(pose), _evidence(runner_up), log10_of_both, Status(status))
     refinement = None if fields["refinement"] is None else _refinement(fields["refinement"])
     registration = _registration(
         fields["registration"],

@@ -31,6 +31,7 @@ __all__ = [
     "PoseEvidence",
     "Refinement",
     "RefinementStatus",
+    "RivalPose",
     "farthest_subset",
     "fpfh",
     "iss_keypoints",
@@ -125,6 +126,19 @@ class Refinement:
         return self.status is RefinementStatus.CONVERGED
 
 
+class RivalPose(NamedTuple):
+    """Another pose at which two clouds agree."""
+
+    pose: NDArray[np.float64]
+    """T_target_source, (4, 4)."""
+    share_of_score: float
+    """Of the pose's score: the samples that agree, each by how rarely it does, less those seen through."""
+    agreement: float
+    """As in `PoseEvidence`."""
+    seen_through: float
+    """As in `PoseEvidence`."""
+
+
 class PoseEvidence(NamedTuple):
     """How well two clouds agree at a pose. A sample is a surface point of one of them, brought into the other's frame."""
 
@@ -138,6 +152,16 @@ class PoseEvidence(NamedTuple):
     """0: a cloud has no surfaces, and nothing is known."""
     displacements: int
     """Poses that the chance comes from."""
+    displaced_agreement: float
+    """As `agreement`, mean of the displaced poses."""
+    displaced_seen_through: float
+    """As `seen_through`, mean of the displaced poses."""
+    scale: float
+    """Of the source, at which the clouds agree best near the pose; 1 where it was not looked for."""
+    gain_by_scale: float
+    """What they agree in at that scale, over what they do at scale 1: 1.12 and more is another scale."""
+    rival: RivalPose | None
+    """The best other pose: where a scene repeats itself, or about an axis of symmetry."""
 
 
 class CloudVerdict(NamedTuple):
@@ -325,6 +349,14 @@ def match_clouds(
     best, mutual, ratio: as in `match`. ValueError on an empty cloud or a bad value.
     """
     return _matches(_core.match_clouds(**locals()))
+
+
+def _evidence(fields: dict[str, Any] | None) -> PoseEvidence | None:
+    if fields is None:
+        return None
+    if fields["rival"] is not None:
+        fields["rival"] = RivalPose(*fields["rival"])
+    return PoseEvidence(**fields)
 
 
 def _matches(fields: dict[str, Any]) -> CloudMatches:

@@ -111,8 +111,22 @@ nb::dict match_clouds(const MatchingArguments& arguments, std::optional<int> thr
 
 nb::object evidence_fields(const std::optional<features::PoseEvidence>& evidence) {
   if (!evidence) return nb::none();
-  return nb::make_tuple(evidence->log10_chance, evidence->agreement, evidence->seen_through, evidence->samples,
-                        evidence->displacements);
+  nb::dict fields;
+  fields["log10_chance"] = evidence->log10_chance;
+  fields["agreement"] = evidence->agreement;
+  fields["seen_through"] = evidence->seen_through;
+  fields["samples"] = evidence->samples;
+  fields["displacements"] = evidence->displacements;
+  fields["displaced_agreement"] = evidence->displaced_agreement;
+  fields["displaced_seen_through"] = evidence->displaced_seen_through;
+  fields["scale"] = evidence->scaled.scale;
+  fields["gain_by_scale"] = evidence->scaled.gain;
+  fields["rival"] = nb::none();
+  if (const auto& rival = evidence->rival) {
+    fields["rival"] =
+        nb::make_tuple(to_array(rival->T_target_source), rival->share_of_score, rival->agreement, rival->seen_through);
+  }
+  return fields;
 }
 
 nb::dict register_clouds(const MatchingArguments& arguments, std::optional<double> noise_bound,

@@ -63,6 +63,23 @@ inline Street street(std::uint32_t seed, bool bare = false) {
   return result;
 }
 
+/// Like houses on both sides, each with a porch, one every `period` metres: a shift by a house changes nothing.
+inline Street like_houses(double period) {
+  Street result;
+  for (int k = -14; k <= 14; ++k) {
+    const double x = k * period;
+    for (const double side : {-1.0, 1.0}) {
+      const auto box = [&](double from, double to, double front, double back, double height) {
+        result.boxes.push_back({{x + from, std::min(side * front, side * back), 0.0},
+                                {x + to, std::max(side * front, side * back), height}});
+      };
+      box(0.0, 0.7 * period, 9.0, 17.0, 6.0);
+      box(0.3 * period, 0.3 * period + 1.5, 8.1, 9.0, 2.5);
+    }
+  }
+  return result;
+}
+
 /// The scan from (x, 0, 1.7) by a scanner turned by `yaw`, in its frame; noise of 2 cm.
 inline Points scan_of(const Street& street, double x, double yaw, std::uint32_t seed, int rings = 40,
                       int columns = 720) {

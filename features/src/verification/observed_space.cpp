@@ -31,7 +31,8 @@ std::uint64_t filter_bit(std::uint64_t hash, std::size_t words) noexcept { retur
 
 }  // namespace
 
-SurfaceMap::SurfaceMap(const CellGrid& surfaces, double side) : per_side_(1.0 / side), side_(side) {
+SurfaceMap::SurfaceMap(const CellGrid& surfaces, double voxel, double sides)
+    : per_side_(1.0 / (sides * voxel)), side_(sides * voxel) {
   const Cloud& cloud = surfaces.cloud();
   const CloudView view = cloud.view();
   Vector3 high;
@@ -48,15 +49,16 @@ SurfaceMap::SurfaceMap(const CellGrid& surfaces, double side) : per_side_(1.0 / 
   }
   if (points_.empty()) return;
   for (std::size_t c = 0; c < 3; ++c) {
-    low_[c] -= 2.0 * side;
+    low_[c] -= 2.0 * side_;
     const double cubes = (high[c] - low_[c]) * per_side_;
     if (!(cubes < kMostCubes)) {
-      throw std::invalid_argument("voxel is " + std::to_string(side) + ": the cloud is more than 2^20 of them long");
+      throw std::invalid_argument("voxel is " + std::to_string(voxel) + ": the cloud is more than 2^20 of them long");
     }
     cubes_[c] = static_cast<std::int64_t>(cubes) + 3;
   }
-  // A point reaches 19 cubes at most, on a surface nine of them new.
-  table_.resize(std::bit_ceil(8 * points_.size()));
+  // A point reaches 19 cubes at most, on a surface nine of them new where one is a voxel's size.
+  table_.resize(
+      std::bit_ceil(static_cast<std::size_t>(8.0 / (sides * sides) * static_cast<double>(points_.size())) + 1));
   mask_ = table_.size() - 1;
   std::size_t used = 0;
   for (std::size_t i = 0; i < points_.size(); ++i) {
@@ -135,15 +137,32 @@ std::uint32_t SurfaceMap::find(const Vector3& place) const noexcept {
   return table_[at].point;
 }
 
+double SurfaceMap::offset(const SurfacePoint& surface, const SurfacePoint& place) noexcept {
+  return dot({place.point[0] - surface.point[0], place.point[1] - surface.point[1], place.point[2] - surface.point[2]},
+             surface.normal);
+}
+
+bool SurfaceMap::passes(const SurfacePoint& surface, const SurfacePoint& place) const noexcept {
+  return std::abs(offset(surface, place)) <= kAcross * side_ &&
+         std::abs(dot(place.normal, surface.normal)) >= kSteepness;
+}
+
 Agreement SurfaceMap::agreement(const SurfacePoint& place) const noexcept {
   const std::uint32_t found = find(place.point);
   if (found == kNone) return Agreement::empty;
-  const SurfacePoint& surface = points_[found];
-  const Vector3 offset{place.point[0] - surface.point[0], place.point[1] - surface.point[1],
-                       place.point[2] - surface.point[2]};
-  const bool agrees = std::abs(dot(offset, surface.normal)) <= kAcross * side_ &&
-                      std::abs(dot(place.normal, surface.normal)) >= kSteepness;
-  return agrees ? Agreement::surface : Agreement::other;
+  return passes(points_[found], place) ? Agreement::surface : Agreement::other;
+}
+
+const SurfacePoint* SurfaceMap::surface_at(const SurfacePoint& place) const noexcept {
+  const std::uint32_t found = find(place.point);
+  return found != kNone && passes(points_[found], place) ? &points_[found] : nullptr;
+}
+
+double SurfaceMap::squared_distance(const SurfacePoint& place) const noexcept {
+  const SurfacePoint* const surface = surface_at(place);
+  if (surface == nullptr) return 1.0;
+  const double sides = offset(*surface, place) * per_side_;
+  return sides * sides;
 }
 
 FreeSpace::FreeSpace(const Cloud& scan, const Vector3& viewpoint, double margin)

@@ -34,11 +34,15 @@ enum class Agreement : std::uint8_t {
 /// The surfaces of a cloud in a hash table of cubes: each cube knows the surface point nearest to its centre.
 class SurfaceMap {
  public:
-  /// Takes the points with a normal. side: of a cube, caller's unit. Throws std::invalid_argument where they are more
-  /// than 2^20 sides apart.
-  SurfaceMap(const CellGrid& surfaces, double side);
+  /// Takes the points with a normal. voxel: what they were thinned out to, caller's unit; sides: of a cube, in voxels.
+  /// Throws std::invalid_argument where they are more than 2^20 voxels apart.
+  SurfaceMap(const CellGrid& surfaces, double voxel, double sides = 1.0);
 
   [[nodiscard]] Agreement agreement(const SurfacePoint& place) const noexcept;
+  /// The surface that the place agrees with, or null.
+  [[nodiscard]] const SurfacePoint* surface_at(const SurfacePoint& place) const noexcept;
+  /// Square of the distance to the plane of that surface, in sides of a cube; 1 where there is none.
+  [[nodiscard]] double squared_distance(const SurfacePoint& place) const noexcept;
 
  private:
   static constexpr std::uint32_t kNone = 0xffffffff;
@@ -49,6 +53,8 @@ class SurfaceMap {
   };
 
   [[nodiscard]] std::uint32_t find(const Vector3& place) const noexcept;
+  [[nodiscard]] static double offset(const SurfacePoint& surface, const SurfacePoint& place) noexcept;
+  [[nodiscard]] bool passes(const SurfacePoint& surface, const SurfacePoint& place) const noexcept;
   [[nodiscard]] Cube& slot(std::uint64_t key) noexcept;
   void fill_filter();
 

@@ -24,14 +24,24 @@ struct CloudVerdict {
   Status of_correspondences = Status::no_consensus;
 };
 
-/// Whether clouds bear a pose out: it is seen through in few places, agrees better than chance gives, and the poses
-/// that correspondences give by chance (log10 of their number, as in Registration) times the chance that one of these
-/// agrees as well is small.
+/// Whether clouds agree so much better with one of them scaled that they cannot be of one scale: rows and surfaces of
+/// rooms may fit within their bounds where one is a twentieth larger.
+[[nodiscard]] bool is_of_another_scale(const PoseEvidence& evidence) noexcept;
+
+/// Whether the clouds cannot tell a pose from the rival that they have: it has four fifths of the pose's score and is
+/// hardly more seen through, or half of the score and is seen through nowhere, where displaced poses are: less of one
+/// scan is in sight of the other from a place that is further away, but nothing speaks against it.
+[[nodiscard]] bool has_equal_rival(const PoseEvidence& evidence) noexcept;
+
+/// Whether clouds bear a pose out: it is seen through in few places, agrees better than chance gives and at one scale,
+/// and the poses that correspondences give by chance (log10 of their number, as in Registration) times the chance that
+/// one of these agrees as well is small.
 [[nodiscard]] bool is_borne_out(const PoseEvidence& evidence, double log10_false_poses) noexcept;
 
 /// Holds the pose and its rival against the clouds and lets these decide: a pose that they do not bear out becomes
 /// `no_consensus`, of two that fit the correspondences alike the one that they bear out is the `success`, as is one
-/// that had too few correspondences alone. The pose is refined on the correspondences where it was not theirs. Clouds
+/// that had too few correspondences alone. The pose is refined on the correspondences where it was not theirs. A pose
+/// from which the clouds cannot tell another one of theirs is `ambiguous`, with that one as the runner-up. Clouds
 /// without surfaces decide nothing. Adds the stage "verification": samples, those that agree, poses tried.
 ///
 /// `registration` is one of `correspondences`, whose rows are points of the verifier's clouds: poses are in the

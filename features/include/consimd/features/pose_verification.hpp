@@ -27,23 +27,47 @@ struct VerifiedCloud {
   std::optional<std::array<double, 3>> viewpoint = std::array<double, 3>{0.0, 0.0, 0.0};
 };
 
+/// Another pose at which two clouds agree.
+struct RivalPose {
+  RigidTransform T_target_source = RigidTransform::Identity();  ///< caller's frames
+  /// Of the pose's score: the samples that agree, each by how rarely it does, less those seen through.
+  double share_of_score = 0.0;
+  double agreement = 0.0;     ///< as in PoseEvidence
+  double seen_through = 0.0;  ///< as in PoseEvidence
+};
+
+/// How two clouds agree if one may be of another scale.
+struct ScaledFit {
+  /// Of the source, at which the clouds agree best near the pose.
+  double scale = 1.0;
+  /// What the surfaces agree in at that scale, over what they do with the pose fitted to them at the scale 1.
+  double gain = 1.0;
+};
+
 /// How well two clouds agree at a pose. A sample is a surface point of one of the clouds, brought into the other's
 /// frame.
 struct PoseEvidence {
   /// log10 of the chance that clouds which have nothing in common but what every displacement keeps agree as well:
   /// ground, walls and corridors agree wherever one is shifted along them. By the displaced poses' own agreement.
   double log10_chance = 0.0;
-  double agreement = 0.0;         ///< share of samples that lie on a surface of the other cloud, of like orientation
-  double seen_through = 0.0;      ///< share of samples where the other scan saw nothing but what is farther away
-  std::size_t samples = 0;        ///< 0: a cloud has no surfaces, and nothing is known
-  std::size_t displacements = 0;  ///< poses that the chance comes from
+  double agreement = 0.0;            ///< share of samples that lie on a surface of the other cloud, of like orientation
+  double seen_through = 0.0;         ///< share of samples where the other scan saw nothing but what is farther away
+  std::size_t samples = 0;           ///< 0: a cloud has no surfaces, and nothing is known
+  std::size_t displacements = 0;     ///< poses that the chance comes from
+  double displaced_agreement = 0.0;  ///< as `agreement`, mean of the displaced poses
+  double displaced_seen_through = 0.0;  ///< as `seen_through`, mean of the displaced poses
+  /// Of the poses at which the clouds agree as at few others, the one that is best but for this: where a scene repeats
+  /// itself, or about an axis of symmetry. None where there is no such, or the pose's own chance is above 1 in 20.
+  std::optional<RivalPose> rival = std::nullopt;
+  ScaledFit scaled = {};  ///< of a pose whose chance is below 1 in 20
 };
 
 /// Holds poses against two clouds. The chance of a pose is found by displacing it: turned about the normal of a large
 /// plane and shifted in it, or along the line that two such planes have in common, by more than surfaces are matched
 /// to. What the surfaces agree in at most displacements counts little: each sample weighs as much as its agreement is
-/// rare. The tail of the displaced poses' agreement is extrapolated as an exponential one. Deterministic in the seed,
-/// the same for any number of threads and instruction set; parallel with oneTBB.
+/// rare. The tail of the displaced poses' agreement is extrapolated as an exponential one. Of a pose that agrees better
+/// than most of these, the best other one is looked for, and the scale at which the clouds agree best. Deterministic in
+/// the seed, the same for any number of threads and instruction set; parallel with oneTBB.
 class PoseVerifier {
  public:
   /// voxel: side of the voxels of both clouds' surfaces, caller's unit, > 0. Both clouds are read during construction

@@ -1,0 +1,164 @@
+#include "verification/rival_poses.hpp"
+
+#include <oneapi/tbb/parallel_for.h>
+
+#include <algorithm>
+#include <numbers>
+
+#include <consimd/kernels/elementary_functions.hpp>
+
+#include "verification/surface_fit.hpp"
+
+namespace consimd::features::detail {
+namespace {
+
+// Steps of shifts and turns, in voxels: the nearest one is 2.1 voxels from a peak at most, and coarse surfaces agree
+// across 2 and along 3.
+constexpr double kStep = 3.0;
+// Steps that a pose is shifted by at most, and turns of a full one.
+constexpr int kFarthest = 32;
+constexpr int kMostTurns = 256;
+// Share of the samples that agree at a peak. Of the first few one has to, of the first some a quarter, which they do at
+// 87 % of such peaks.
+constexpr double kLeastShare = 0.4;
+constexpr std::size_t kFew = 5;
+constexpr std::size_t kSome = 16;
+constexpr std::size_t kOfEachFamily = 3;
+constexpr std::size_t kPeaks = 10;
+// Surfaces agree within three voxels or so, and a pose has slid to another peak beyond twice that.
+constexpr double kAnother = 6.0;
+
+/// The motion by a turn about `centre` and a shift.
+RigidTransform motion(const Eigen::Matrix3d& turn, const Eigen::Vector3d& shift, const Eigen::Vector3d& centre) {
+  RigidTransform result;
+  result.linear() = turn;
+  result.translation() = centre + shift - turn * centre;
+  return result;
+}
+
+}  // namespace
+
+template <typename Place>
+std::size_t RivalSearch::agreeing(std::size_t samples, const Place& place) const {
+  std::size_t count = 0;
+  for (std::size_t i = 0; i < samples; ++i) {
+    if ((i == kFew && count == 0) || (i == kSome && 4 * count < kSome)) return 0;
+    if (coarse_.agreement(place(i)) == Agreement::surface) ++count;
+  }
+  return count;
+}
+
+std::vector<RivalSearch::Peak> RivalSearch::shifted(const RigidTransform& pose,
+                                                    const std::vector<SurfacePoint>& telling,
+                                                    const Eigen::Vector3d& direction, int quarter_turns) const {
+  constexpr double kCosine[] = {1.0, 0.0, -1.0, 0.0};
+  constexpr double kSine[] = {0.0, 1.0, 0.0, -1.0};
+  const RigidTransform turned_pose = motion(rotation_about(direction, kCosine[quarter_turns], kSine[quarter_turns]),
+                                            Eigen::Vector3d::Zero(), layout_.centre) *
+                                     pose;
+  std::vector<SurfacePoint> surfaces;
+  for (const SurfacePoint& surface : telling) surfaces.push_back(placed({turned_pose, 1.0}, surface));
+  const double step = kStep * voxel_;
+  const Eigen::Vector3d first = step * direction.unitOrthogonal();
+  const Eigen::Vector3d second = direction.cross(first);
+  const int reach = static_cast<int>(std::clamp(layout_.spread / step, 2.0, static_cast<double>(kFarthest)));
+  // With a margin of places where nothing agrees.
+  const int width = 2 * reach + 3;
+  std::vector<std::size_t> counts(static_cast<std::size_t>(width) * static_cast<std::size_t>(width));
+  const auto at = [&](int a, int b) -> std::size_t& {
+    return counts[static_cast<std::size_t>((b + reach + 1) * width + a + reach + 1)];
+  };
+  const auto visit = [&](const auto& place) {
+    for (int b = -reach; b <= reach; ++b) {
+      for (int a = -reach; a <= reach; ++a) {
+        if (a * a + b * b <= reach * reach) place(a, b);
+      }
+    }
+  };
+  visit([&](int a, int b) {
+    const Eigen::Vector3d shift = a * first + b * second;
+    at(a, b) = agreeing(surfaces.size(), [&](std::size_t i) {
+      SurfacePoint place = surfaces[i];
+      for (std::size_t c = 0; c < 3; ++c) place.point[c] += shift[static_cast<Eigen::Index>(c)];
+      return place;
+    });
+  });
+  std::vector<Peak> peaks;
+  visit([&](int a, int b) {
+    const std::size_t count = at(a, b);
+    if (static_cast<double>(count) < kLeastShare * static_cast<double>(surfaces.size())) return;
+    if (quarter_turns == 0 && a == 0 && b == 0) return;
+    // Of equal neighbours the last one is the peak.
+    for (int j = -1; j <= 1; ++j) {
+      for (int i = -1; i <= 1; ++i) {
+        const bool later = j > 0 || (j == 0 && i > 0);
+        if ((i != 0 || j != 0) && (later ? at(a + i, b + j) >= count : at(a + i, b + j) > count)) return;
+      }
+    }
+    RigidTransform peak = turned_pose;
+    peak.translation() += a * first + b * second;
+    peaks.emplace_back(count, peak);
+  });
+  return peaks;
+}
+
+std::vector<RivalSearch::Peak> RivalSearch::turned(const RigidTransform& pose, const std::vector<SurfacePoint>& telling,
+                                                   const Eigen::Vector3d& axis) const {
+  // Half of the surfaces lie less than their spread from the centre, few beyond 1.5 times that.
+  const double around = 2.0 * std::numbers::pi * 1.5 * layout_.spread / (kStep * voxel_);
+  const auto turns = static_cast<std::size_t>(std::clamp(around, 12.0, static_cast<double>(kMostTurns)));
+  const auto turned_by = [&](std::size_t k) {
+    const auto [sine, cosine] =
+        elementary::sine_cosine(2.0 * std::numbers::pi * static_cast<double>(k) / static_cast<double>(turns));
+    return RigidTransform(motion(rotation_about(axis, cosine, sine), Eigen::Vector3d::Zero(), layout_.centre) * pose);
+  };
+  std::vector<std::size_t> counts(turns);
+  for (std::size_t k = 0; k < turns; ++k) {
+    const ScaledPose there{turned_by(k), 1.0};
+    counts[k] = agreeing(telling.size(), [&](std::size_t i) { return placed(there, telling[i]); });
+  }
+  std::vector<Peak> peaks;
+  for (std::size_t k = 1; k < turns; ++k) {
+    if (static_cast<double>(counts[k]) < kLeastShare * static_cast<double>(telling.size())) continue;
+    if (counts[k] >= counts[k - 1] && counts[k] > counts[(k + 1) % turns]) peaks.emplace_back(counts[k], turned_by(k));
+  }
+  return peaks;
+}
+
+std::vector<RigidTransform> RivalSearch::peaks(const RigidTransform& pose,
+                                               const std::vector<SurfacePoint>& telling) const {
+  std::vector<Eigen::Vector3d> axes = layout_.faced;
+  axes.insert(axes.end(), layout_.principal.begin(), layout_.principal.end());
+  // By quarters about the largest surface's normal, by half turns about the others': what a quarter about these would
+  // bring together, objects do about their centre.
+  std::vector<std::pair<Eigen::Vector3d, int>> shifts;
+  for (std::size_t d = 0; d < layout_.faced.size(); ++d) {
+    for (int quarters = 0; quarters < 4; quarters += d == 0 ? 1 : 2) shifts.emplace_back(layout_.faced[d], quarters);
+  }
+  std::vector<std::vector<Peak>> families(shifts.size() + axes.size());
+  const auto higher = [](const Peak& a, const Peak& b) { return a.first > b.first; };
+  tbb::parallel_for(std::size_t{0}, families.size(), [&](std::size_t f) {
+    std::vector<Peak>& family = families[f];
+    family = f < shifts.size() ? shifted(pose, telling, shifts[f].first, shifts[f].second)
+                               : turned(pose, telling, axes[f - shifts.size()]);
+    std::ranges::stable_sort(family, higher);
+    if (family.size() > kOfEachFamily) family.resize(kOfEachFamily);
+  });
+  std::vector<Peak> found;
+  for (const std::vector<Peak>& family : families) found.insert(found.end(), family.begin(), family.end());
+  std::ranges::stable_sort(found, higher);
+  if (found.size() > kPeaks) found.resize(kPeaks);
+  std::vector<RigidTransform> poses;
+  for (const Peak& peak : found) poses.push_back(peak.second);
+  return poses;
+}
+
+bool RivalSearch::is_another(const RigidTransform& pose, const RigidTransform& other) const {
+  const RigidTransform between = other * pose.inverse();
+  const double shift = (between * layout_.centre - layout_.centre).squaredNorm();
+  // |R - 1|^2 = 8 sin^2(angle / 2), of which the surfaces move by half, times their spread.
+  const double turn = 0.5 * (between.linear() - Eigen::Matrix3d::Identity()).squaredNorm();
+  return shift + turn * layout_.spread * layout_.spread > kAnother * kAnother * voxel_ * voxel_;
+}
+
+}  // namespace consimd::features::detail

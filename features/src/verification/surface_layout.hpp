@@ -1,0 +1,29 @@
+// How the surfaces of a cloud lie: what its poses are displaced about.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "verification/observed_space.hpp"
+
+namespace consimd::features::detail {
+
+struct SurfaceLayout {
+  /// Directions that at least a twentieth of the normals lie within 15 degrees of, either way, the largest first; the
+  /// axes of the frame where there are none.
+  std::vector<Eigen::Vector3d> faced;
+  /// Principal axes of the points that are none of those directions.
+  std::vector<Eigen::Vector3d> principal;
+  Eigen::Vector3d centre = Eigen::Vector3d::Zero();  ///< mean of the points
+  double spread = 0.0;                               ///< root mean square distance of the points from their centre
+};
+
+/// At least one point. Deterministic in the seed.
+[[nodiscard]] SurfaceLayout layout_of(const std::vector<SurfacePoint>& surfaces, std::uint64_t seed);
+
+/// The rotation about `axis`, a unit vector, by the angle of this cosine and sine (Rodrigues).
+[[nodiscard]] Eigen::Matrix3d rotation_about(const Eigen::Vector3d& axis, double cosine, double sine);
+
+}  // namespace consimd::features::detail
