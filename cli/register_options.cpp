@@ -154,7 +154,8 @@ void add_register_options(CLI::App& command, RegisterOptions& options) {
   command.add_flag(
       "--no-verification", options.clouds.no_verification,
       "Of clouds: let the correspondences decide alone. Otherwise a pose must be borne out by the clouds' "
-      "surfaces and by what each scan saw through, and where none is sure the front end is tried once more "
+      "surfaces and by what each scan saw through, is ambiguous where they agree at another pose as well, and "
+      "where none is sure the front end is tried once more "
       "with coarser voxels, and without --voxel a third time, for scans of few rings");
   command.add_option(
       "--noise-bound", options.noise_bound,

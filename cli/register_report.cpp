@@ -151,11 +151,15 @@ std::string verdict_text(const features::CloudVerdict& verdict, const Registrati
       fmt::format("clouds        agree at {:.0f} % of {} places, see through {:.1f} %; 10^{:.1f} by chance\n",
                   100.0 * verdict.pose->agreement, verdict.pose->samples, 100.0 * verdict.pose->seen_through,
                   verdict.pose->log10_chance);
+  if (run.status == Status::ambiguous && features::has_equal_rival(*verdict.pose)) {
+    text += fmt::format("              and at another pose as well, by {:.0f} % of the score\n",
+                        100.0 * verdict.pose->rival->share_of_score);
+  }
   if (verdict.runner_up) {
     text += fmt::format("              at the runner-up's pose at {:.0f} %, see through {:.1f} %\n",
                         100.0 * verdict.runner_up->agreement, 100.0 * verdict.runner_up->seen_through);
   }
-  if (features::is_of_another_scale(*verdict.pose)) {
+  if (features::agrees_better_scaled(*verdict.pose)) {
     text += fmt::format("              and {:.2f} times as well with the source scaled by {:.4g}: of one scale?\n",
                         verdict.pose->scaled.gain, verdict.pose->scaled.scale);
   }

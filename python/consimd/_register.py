@@ -30,7 +30,7 @@ class Status(str, enum.Enum):
     DEGENERATE_GEOMETRY = "degenerate_geometry"
     """The supporters do not determine a pose: they coincide or lie on a line."""
     AMBIGUOUS = "ambiguous"
-    """Another motion has about as much support: see `Registration.runner_up`."""
+    """Another motion has about as much support, or the clouds agree at it as well: see `Registration.runner_up`."""
     BUDGET_EXHAUSTED = "budget_exhausted"
     """The iteration budget ended before the wanted confidence; the best pose so far is given."""
 

@@ -159,9 +159,10 @@ class PoseEvidence(NamedTuple):
     scale: float
     """Of the source, at which the clouds agree best near the pose; 1 where it was not looked for."""
     gain_by_scale: float
-    """What they agree in at that scale, over what they do at scale 1: 1.12 and more is another scale."""
+    """What they agree in at that scale, over what they do at scale 1: 1.1 and more at a scale 0.03 from 1 is another scale."""
     rival: RivalPose | None
-    """The best other pose: where a scene repeats itself, or about an axis of symmetry."""
+    """The best other pose: where a scene repeats itself, or about an axis of symmetry. None where there is none, or the
+    pose's own chance is above 1 in 20."""
 
 
 class CloudVerdict(NamedTuple):
@@ -170,6 +171,7 @@ class CloudVerdict(NamedTuple):
     pose: PoseEvidence | None
     """Of the correspondences' pose, or of the one that they were too few for; None where there is neither."""
     runner_up: PoseEvidence | None
+    """Of the runner-up, where there was or is one."""
     log10_of_both: float
     """log10 of the chance of the pose that stands: that of the clouds' agreement times the number of such poses that the
     correspondences give by chance. 0 where none stands."""

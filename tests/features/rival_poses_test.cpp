@@ -7,6 +7,7 @@
 
 #include <cmath>
 #include <numbers>
+#include <optional>
 #include <random>
 #include <vector>
 
@@ -27,6 +28,8 @@ constexpr double kByCorrespondences = -30.0;
 double from_a_whole_house(const RigidTransform& pose, const RigidTransform& right) {
   const RigidTransform between = pose * right.inverse();
   const double across = std::hypot(between.translation().y(), between.translation().z());
+  EXPECT_GT(between.linear()(2, 2), 0.99);
+  EXPECT_GT(std::abs(between.linear()(0, 0)), 0.99);
   if (between.linear()(0, 0) < 0.0) return across;  // where a scene turned round repeats depends on where it stands
   return std::hypot(across, std::remainder(between.translation().x(), kPeriod));
 }
@@ -101,14 +104,15 @@ TEST(RivalPoses, MakeASuccessAmbiguous) {
   EXPECT_GT(verdict.runner_up->agreement, 0.5 * verdict.pose->agreement);
 }
 
-// From the front end on. Of 24 such pairs none is a success, 3 to 4 a right ambiguous pose.
+// From the front end on, where all three would be a success without.
 TEST(RivalPoses, RowsOfLikeHousesAreNoSuccess) {
   for (std::uint32_t seed = 1; seed <= 3; ++seed) {
     const double ahead = 2.0 + 2.0 * seed;
     const auto found =
         features::register_clouds(cloud_of(scan_of(like_houses(kPeriod), ahead, 0.4, seed, 48, 1000)),
                                   cloud_of(scan_of(like_houses(kPeriod), 0.0, 0.0, 9, 48, 1000)), {.seed = seed});
-    EXPECT_NE(found.registration.status, Status::success) << seed;
+    EXPECT_EQ(found.registration.status, Status::ambiguous) << seed;
+    EXPECT_TRUE(features::has_equal_rival(*found.verdict->pose)) << seed;
   }
 }
 
@@ -145,6 +149,54 @@ TEST(ScaledFit, FindsTheScaleOfAnEnlargedCloud) {
     EXPECT_EQ(features::is_of_another_scale(found), scale != 1.0) << scale << " " << found.scaled.gain;
     EXPECT_NEAR(found.scaled.scale, scale, 0.003);
     EXPECT_EQ(features::is_borne_out(found, kByCorrespondences), scale == 1.0) << scale;
+  }
+}
+
+// What sensors are off by is told, and refuses nothing.
+TEST(ScaledFit, ToleratesAHundredth) {
+  const PoseEvidence found{.agreement = 0.5, .samples = 640, .scaled = {.scale = 1.01, .gain = 1.4}};
+  EXPECT_TRUE(features::agrees_better_scaled(found));
+  EXPECT_FALSE(features::is_of_another_scale(found));
+}
+
+/// On a cone about an axis beside the origin: every turn about it is as good.
+Points cone(std::uint32_t seed) {
+  std::mt19937 random(seed);
+  Points points;
+  while (points.size() < 20000) {
+    const double angle = std::numbers::pi * uniform(random);
+    const double height = 6.0 + 4.0 * uniform(random);
+    points.push_back({0.3 * height * std::cos(angle) + 3.0, 0.3 * height * std::sin(angle), height});
+  }
+  return points;
+}
+
+// The axis comes from samples, and is missed now and then: of 20 cones 18 have an equal rival.
+TEST(RivalPoses, MostConesHaveOneForEveryTurn) {
+  int equal = 0;
+  for (std::uint32_t seed = 1; seed <= 20; ++seed) {
+    const Seen source(cone(seed)), target(cone(seed + 100));
+    const PoseEvidence found = PoseVerifier({source.scan, source.surfaces, std::nullopt},
+                                            {target.scan, target.surfaces, std::nullopt}, kVoxel, seed)
+                                   .evidence(RigidTransform::Identity());
+    equal += features::has_equal_rival(found) ? 1 : 0;
+  }
+  EXPECT_GE(equal, 14) << equal;
+}
+
+// Some points with normals, far from one another.
+TEST(RivalPoses, TargetsOfFewSurfacesAreHeldAgainstPoses) {
+  const Seen source(scan_of(street(1), 0.0, 0.0, 1));
+  for (const std::size_t count : {1u, 2u, 3u, 6u, 12u}) {
+    Points points;
+    for (std::size_t k = 0; k < count; ++k) points.push_back({5.0 * static_cast<double>(k), 1.0, 0.5});
+    Cloud cloud = cloud_of(points);
+    const std::vector<float> flat(count, 0.0F), up(count, 1.0F);
+    cloud.set_normals({flat.data(), flat.data(), up.data()});
+    const features::CellGrid surfaces(cloud, 3.0 * kVoxel);
+    const PoseEvidence found =
+        PoseVerifier({source.scan, source.surfaces}, {cloud, surfaces}, kVoxel).evidence(RigidTransform::Identity());
+    EXPECT_TRUE(std::isfinite(found.log10_chance) && std::isfinite(found.scaled.scale)) << count;
   }
 }
 

@@ -35,6 +35,19 @@ CloudRegistration attempt(const Cloud& source, const Cloud& target, const CloudR
   return result;
 }
 
+/// Whether an attempt has shown what coarser voxels can only forget: that the scene repeats itself, or that the clouds
+/// are not of one scale.
+bool is_told(const CloudRegistration& found) {
+  if (!found.verdict->pose) return false;
+  const PoseEvidence& evidence = *found.verdict->pose;
+  if (const auto& refused = found.registration.refused; refused && is_of_another_scale(evidence)) {
+    PoseEvidence at_any_scale = evidence;
+    at_any_scale.scaled = {};
+    return is_borne_out(at_any_scale, refused->log10_false_poses);
+  }
+  return found.registration.status == Status::ambiguous && has_equal_rival(evidence);
+}
+
 /// The voxel of another attempt, coarser than `voxel`.
 double coarser_than(double voxel, const Cloud& source, const Cloud& target, const CloudRegistrationOptions& options,
                     double points_a_voxel) {
@@ -51,7 +64,7 @@ CloudRegistration verified(const Cloud& source, const Cloud& target, const Cloud
   double needed = kBeyondDoubt;
   std::uint32_t attempts = 1;
   for (const double points_a_voxel : kPointsAcrossRings) {
-    if (!options.verify || best.verdict->log10_of_both < needed || best.registration.stopped) break;
+    if (!options.verify || best.verdict->log10_of_both < needed || best.registration.stopped || is_told(best)) break;
     // Clouds of a few voxels would be left with none.
     if (std::min(best.matches.source.voxels, best.matches.target.voxels) < kFewVoxels) break;
     const double coarser = coarser_than(voxel, source, target, options, points_a_voxel);

@@ -26,7 +26,7 @@ constexpr double kLeastOfBoth = -8.0;
 // voxels off 0.06, and half of those between different places 0.3 or more.
 constexpr double kSeenThrough = 0.1;
 
-// Share of a pose's agreement from which on a rival is as good, as of correspondences.
+// Share of a pose's agreement, or of its score, from which on a rival is as good, as of correspondences.
 constexpr double kRivalAgreement = 0.8;
 
 // A rival that has less than this part of the share that displaced poses have is seen through nowhere: so have right
@@ -37,9 +37,12 @@ constexpr double kSeenNowhere = 0.05;
 constexpr double kCleanRival = 0.5;
 constexpr double kDisplacedAreSeenThrough = 0.1;
 
-// Gain of agreement by another scale of one cloud: 0.92 to 1.05 at right poses, 1.2 to 2.6 at those of rooms that are
-// enlarged by a twentieth, whose rows are within the noise bound all the same.
-constexpr double kOtherScale = 1.12;
+// Gain of agreement by another scale of one cloud: 0.92 to 1.05 at right poses, 1.1 to 2.6 at those of rooms, streets
+// and objects that are enlarged by a twentieth, whose rows are within the noise bound all the same. Scales nearer to 1
+// are no reason to refuse a pose: sensors and maps are off by a hundredth, and depth cameras' right poses fit best at
+// 0.99 to 1.026.
+constexpr double kGainOfScale = 1.1;
+constexpr double kOtherScale = 0.03;
 
 /// Of what tells for or against a pose.
 double share_seen_through(double agreement, double seen_through) {
@@ -102,7 +105,11 @@ bool is_ruled_out(const PoseEvidence& rival, const PoseEvidence& pose) {
 
 }  // namespace
 
-bool is_of_another_scale(const PoseEvidence& evidence) noexcept { return evidence.scaled.gain >= kOtherScale; }
+bool agrees_better_scaled(const PoseEvidence& evidence) noexcept { return evidence.scaled.gain >= kGainOfScale; }
+
+bool is_of_another_scale(const PoseEvidence& evidence) noexcept {
+  return agrees_better_scaled(evidence) && std::abs(evidence.scaled.scale - 1.0) >= kOtherScale;
+}
 
 bool has_equal_rival(const PoseEvidence& evidence) noexcept {
   if (!evidence.rival) return false;
@@ -111,7 +118,7 @@ bool has_equal_rival(const PoseEvidence& evidence) noexcept {
   const double of_rival = share_seen_through(rival.agreement, rival.seen_through);
   const double of_displaced = share_seen_through(evidence.displaced_agreement, evidence.displaced_seen_through);
   const bool is_clean = of_rival <= kSeenNowhere * of_displaced;
-  // Wrong poses are seen through as much as what is as good.
+  // A pose that is itself seen through does not rule a rival out by that.
   if (rival.share_of_score >= kRivalAgreement) return is_clean || of_rival <= 2.0 * of_pose;
   return rival.share_of_score >= kCleanRival && is_clean && of_displaced >= kDisplacedAreSeenThrough;
 }
@@ -133,33 +140,35 @@ CloudVerdict decide(const PoseVerifier& verifier, const Correspondences& corresp
                                   : *registration.refused;
   verdict.pose = verifier.evidence(found.T_target_source);
   const bool stands = is_borne_out(*verdict.pose, found.log10_false_poses);
-  bool rival_stands = false;
+  bool runner_up_stands = false;
   if (has_pose && registration.runner_up) {
     verdict.runner_up = verifier.evidence(registration.runner_up->T_target_source);
-    rival_stands = is_borne_out(*verdict.runner_up, registration.runner_up->log10_false_poses);
+    runner_up_stands = is_borne_out(*verdict.runner_up, registration.runner_up->log10_false_poses);
   }
   if (verdict.pose->samples > 0) {
     if (stands) verdict.log10_of_both = verdict.pose->log10_chance + found.log10_false_poses;
     if (!has_pose && stands) {
       take(found, correspondences, registration);
       registration.refused.reset();
-    } else if (has_pose && !stands && rival_stands) {
-      const RunnerUp rival = *registration.runner_up;
-      verdict.log10_of_both = verdict.runner_up->log10_chance + rival.log10_false_poses;
-      take(rival, correspondences, registration);
+    } else if (has_pose && !stands && runner_up_stands) {
+      const RunnerUp other = *registration.runner_up;
+      verdict.log10_of_both = verdict.runner_up->log10_chance + other.log10_false_poses;
+      take(other, correspondences, registration);
       registration.runner_up.reset();
       std::swap(verdict.pose, verdict.runner_up);  // what the verdict tells is of the pose that is taken
     } else if (has_pose && !stands) {
       refuse(registration);
-    } else if (registration.status == Status::ambiguous && !rival_stands &&
+    } else if (registration.status == Status::ambiguous && !runner_up_stands &&
                is_ruled_out(*verdict.runner_up, *verdict.pose)) {
       registration.status = Status::success;
       registration.runner_up.reset();
     }
     if (registration.status == Status::success && has_equal_rival(*verdict.pose)) {
+      const RivalPose& rival = *verdict.pose->rival;
+      const RunnerUp runner_up = runner_up_of(rival, correspondences, registration.noise_bound);
+      verdict.runner_up = verifier.evidence(rival.T_target_source);
+      registration.runner_up = runner_up;
       registration.status = Status::ambiguous;
-      registration.runner_up = runner_up_of(*verdict.pose->rival, correspondences, registration.noise_bound);
-      verdict.runner_up = verifier.evidence(registration.runner_up->T_target_source);
     }
   }
   const std::chrono::duration<double> taken = std::chrono::steady_clock::now() - start;

@@ -51,7 +51,6 @@ Displacements::Displacements(const SurfaceLayout& layout, double least, std::uin
 
 std::vector<RigidTransform> Displacements::of(const RigidTransform& pose, std::size_t count) const {
   const std::vector<Eigen::Vector3d>& directions = layout_.faced;
-  const Eigen::Vector3d& centre = layout_.centre;
   const double spread = layout_.spread;
   const std::size_t faced = directions.size();
   const std::size_t families = 2 * faced + faced * (faced - 1) / 2;
@@ -59,11 +58,9 @@ std::vector<RigidTransform> Displacements::of(const RigidTransform& pose, std::s
   std::vector<RigidTransform> displaced;
   displaced.reserve(families * each);
   std::uint32_t family = 0;
-  const auto displace = [&](const Eigen::Matrix3d& turn, const Eigen::Vector3d& shift) {
-    RigidTransform other;
-    other.linear() = turn * pose.linear();
-    other.translation() = turn * (pose.translation() - centre) + centre + shift;
-    displaced.push_back(other);
+  const auto displace = [&](const RigidTransform& turned, const Eigen::Vector3d& shift) {
+    displaced.push_back(turned);
+    displaced.back().translation() += shift;
   };
   for (const Eigen::Vector3d& direction : directions) {
     const Eigen::Vector3d first = direction.unitOrthogonal();
@@ -84,7 +81,7 @@ std::vector<RigidTransform> Displacements::of(const RigidTransform& pose, std::s
           }
           const double chord = spread * std::sqrt(std::max(2.0 - 2.0 * cosine, 0.0));
           if (shift.squaredNorm() + chord * chord < least_ * least_) continue;
-          displace(rotation_about(direction, cosine, sine), shift.x() * first + shift.y() * second);
+          displace(turned_about(layout_.centre, direction, cosine, sine, pose), shift.x() * first + shift.y() * second);
           break;
         }
       }
@@ -97,7 +94,7 @@ std::vector<RigidTransform> Displacements::of(const RigidTransform& pose, std::s
       for (std::uint32_t k = 0; k < each; ++k) {
         const std::array<double, 4> u = Draws(seed_, family, k).next();
         const double length = least_ + u[0] * (spread - least_);
-        displace(Eigen::Matrix3d::Identity(), (u[1] < 0.5 ? -length : length) * line);
+        displace(pose, (u[1] < 0.5 ? -length : length) * line);
       }
       ++family;
     }

@@ -56,9 +56,11 @@ SurfaceMap::SurfaceMap(const CellGrid& surfaces, double voxel, double sides)
     }
     cubes_[c] = static_cast<std::int64_t>(cubes) + 3;
   }
-  // A point reaches 19 cubes at most, on a surface nine of them new where one is a voxel's size.
-  table_.resize(
-      std::bit_ceil(static_cast<std::size_t>(8.0 / (sides * sides) * static_cast<double>(points_.size())) + 1));
+  // A point reaches 20 cubes at most, on a surface nine of them new where one is a voxel's size. There is always room
+  // for those of one point, since more than half of the table is free before.
+  constexpr std::size_t kLeast = 64;
+  table_.resize(std::bit_ceil(
+      std::max(kLeast, static_cast<std::size_t>(8.0 / (sides * sides) * static_cast<double>(points_.size())))));
   mask_ = table_.size() - 1;
   std::size_t used = 0;
   for (std::size_t i = 0; i < points_.size(); ++i) {

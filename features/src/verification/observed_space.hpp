@@ -7,12 +7,16 @@
 #include <optional>
 #include <vector>
 
+#include <Eigen/Core>
+
 #include <consimd/features/cell_grid.hpp>
 #include <consimd/kernels/cloud.hpp>
 
 namespace consimd::features::detail {
 
 using Vector3 = std::array<double, 3>;
+
+[[nodiscard]] inline Eigen::Vector3d vector(const Vector3& x) { return {x[0], x[1], x[2]}; }
 
 [[nodiscard]] inline double dot(const Vector3& a, const Vector3& b) noexcept {
   return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];

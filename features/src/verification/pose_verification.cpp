@@ -15,6 +15,7 @@
 #include <utility>
 #include <vector>
 
+#include <consimd/features/cloud_verdict.hpp>
 #include <consimd/features/point_subset.hpp>
 #include <consimd/kernels/elementary_functions.hpp>
 
@@ -29,7 +30,7 @@ namespace {
 
 using detail::SurfacePoint;
 
-// Samples of each cloud, and displaced poses: a pose takes 7 ms of a core with these (docs/performance.md).
+// Samples of each cloud, and displaced poses: a pose takes some 10 ms of a core with these (docs/performance.md).
 constexpr std::size_t kSamples = 320;
 constexpr std::size_t kDisplacements = 256;
 // The share of the displaced poses whose agreement gives the tail.
@@ -39,6 +40,8 @@ constexpr double kTail = 0.05;
 constexpr double kPieces = 16.0;
 // Scores vary by about one sample at least: one that agrees at no displaced pose counts ln 258 = 5.6.
 constexpr double kLeastExcess = 5.0;
+// Poses of less are compared with no other: their share of so little tells nothing.
+constexpr double kLeastScore = 2.0 * kLeastExcess;
 // Surfaces agree within three voxels or so, so that displacements of twice that are other poses.
 constexpr double kLeastDisplacement = 6.0;
 // Places that are seen through lie this many voxels before what was seen.
@@ -46,7 +49,7 @@ constexpr double kMargin = 3.0;
 // What a sample that is seen through counts, in units of the logarithm that one that agrees counts: the right poses of
 // lidar scans let 0.1 to 0.8 % of the samples be seen through (things that moved, and edges), displaced ones 6 to 11 %,
 // and ln 10 = 2.3 is what these are apart.
-constexpr double kSeenThrough = 2.0;
+constexpr double kSeenThroughWeight = 2.0;
 // Samples that rivals are looked for with, the rarest of those that agree, and displaced poses that are tried for one.
 constexpr std::size_t kTelling = 64;
 constexpr std::size_t kBestDisplaced = 2;
@@ -125,7 +128,7 @@ struct Looks {
   /// weights: of the samples.
   [[nodiscard]] double score(std::size_t pose, std::span<const double> weights) const {
     const std::span<const std::uint8_t> of_pose = agrees(pose);
-    double sum = -kSeenThrough * static_cast<double>(seen_through[pose]);
+    double sum = -kSeenThroughWeight * static_cast<double>(seen_through[pose]);
     for (std::size_t i = 0; i < weights.size(); ++i) sum += static_cast<double>(of_pose[i]) * weights[i];
     return sum;
   }
@@ -192,7 +195,7 @@ struct PoseVerifier::Clouds {
     return looks;
   }
 
-  [[nodiscard]] detail::FittedSurfaces fitted_surfaces() const { return {coarse, target.surfaces, layout}; }
+  [[nodiscard]] detail::FittedSurfaces fitted_surfaces() const { return {coarse, target.surfaces, layout, voxel}; }
 
   [[nodiscard]] RigidTransform fitted_rigidly(const RigidTransform& pose) const {
     return fitted(fitted_surfaces(), source.samples, pose, detail::Freedom::rigid).T_target_source;
@@ -203,20 +206,20 @@ struct PoseVerifier::Clouds {
     const std::size_t n = source.samples.size();
     return closeness(source.samples, {pose, 1.0}, target.surfaces, weights.first(n)) +
            closeness(target.samples, {pose.inverse(), 1.0}, source.surfaces, weights.subspan(n)) -
-           kSeenThrough * static_cast<double>(seen_through);
+           kSeenThroughWeight * static_cast<double>(seen_through);
   }
-  /// pose: fitted. candidates: other poses to begin at besides the peaks. agrees: which samples agree.
-  [[nodiscard]] std::optional<RivalPose> rival_of(const RigidTransform& pose, std::vector<RigidTransform> candidates,
-                                                  std::span<const std::uint8_t> agrees,
-                                                  std::span<const double> weights) const;
-  /// pose: fitted rigidly.
+  /// The other poses that are peaks of the agreement or of the most likely displaced ones, the best first. agrees:
+  /// which samples agree at the pose. candidates: other poses to begin at besides the peaks.
+  [[nodiscard]] std::vector<RivalPose> rivals_of(const RigidTransform& pose, std::vector<RigidTransform> candidates,
+                                                 std::span<const std::uint8_t> agrees,
+                                                 std::span<const double> weights) const;
   [[nodiscard]] ScaledFit scaled_fit_of(const RigidTransform& pose, std::span<const double> weights) const;
 };
 
-std::optional<RivalPose> PoseVerifier::Clouds::rival_of(const RigidTransform& pose,
-                                                        std::vector<RigidTransform> candidates,
-                                                        std::span<const std::uint8_t> agrees,
-                                                        std::span<const double> weights) const {
+std::vector<RivalPose> PoseVerifier::Clouds::rivals_of(const RigidTransform& pose,
+                                                       std::vector<RigidTransform> candidates,
+                                                       std::span<const std::uint8_t> agrees,
+                                                       std::span<const double> weights) const {
   std::vector<std::size_t> rows;
   for (std::size_t i = 0; i < source.samples.size(); ++i) {
     if (agrees[i] != 0) rows.push_back(i);
@@ -226,30 +229,48 @@ std::optional<RivalPose> PoseVerifier::Clouds::rival_of(const RigidTransform& po
   const detail::RivalSearch search(coarse, layout, voxel);
   const std::vector<RigidTransform> peaks = search.peaks(pose, telling);
   candidates.insert(candidates.begin(), peaks.begin(), peaks.end());
+  candidates.push_back(pose);
   tbb::parallel_for(std::size_t{0}, candidates.size(),
                     [&](std::size_t k) { candidates[k] = fitted_rigidly(candidates[k]); });
-  std::erase_if(candidates, [&](const RigidTransform& other) { return !search.is_another(pose, other); });
-  if (candidates.empty()) return std::nullopt;
+  // A fit may slide along what no surface holds.
+  const RigidTransform reference = search.is_another(pose, candidates.back()) ? pose : candidates.back();
+  candidates.pop_back();
+  std::erase_if(candidates, [&](const RigidTransform& other) {
+    return !search.is_another(pose, other) || !search.is_another(reference, other);
+  });
+  candidates.push_back(reference);
 
-  candidates.push_back(pose);
   const Looks looks = look_both_ways(candidates);
   std::vector<double> scores(candidates.size());
   for (std::size_t k = 0; k < candidates.size(); ++k) scores[k] = score(candidates[k], looks.seen_through[k], weights);
-  const auto best =
-      static_cast<std::size_t>(std::ranges::max_element(scores.begin(), scores.end() - 1) - scores.begin());
+  const double of_pose = scores.back();
+  std::vector<RivalPose> rivals;
+  if (of_pose < kLeastScore) return rivals;
   const auto samples = static_cast<double>(looks.samples);
-  return RivalPose{.T_target_source = candidates[best],
-                   .share_of_score = scores[best] / std::max(scores.back(), 1.0),
-                   .agreement = static_cast<double>(looks.agreeing(best)) / samples,
-                   .seen_through = static_cast<double>(looks.seen_through[best]) / samples};
+  std::vector<std::size_t> others(candidates.size() - 1);
+  std::iota(others.begin(), others.end(), std::size_t{0});
+  for (const std::size_t k : highest(scores, std::move(others), candidates.size())) {
+    rivals.push_back({.T_target_source = candidates[k],
+                      .share_of_score = scores[k] / of_pose,
+                      .agreement = static_cast<double>(looks.agreeing(k)) / samples,
+                      .seen_through = static_cast<double>(looks.seen_through[k]) / samples});
+  }
+  return rivals;
 }
 
 ScaledFit PoseVerifier::Clouds::scaled_fit_of(const RigidTransform& pose, std::span<const double> weights) const {
-  const detail::ScaledPose scaled = fitted(fitted_surfaces(), source.samples, pose, detail::Freedom::scaled);
   const std::span<const double> of_source = weights.first(source.samples.size());
-  return {.scale = scaled.scale,
-          .gain = closeness(source.samples, scaled, target.surfaces, of_source) /
-                  std::max(closeness(source.samples, {pose, 1.0}, target.surfaces, of_source), 1.0)};
+  const auto closeness_of = [&](detail::Freedom freedom, ScaledFit& fit) {
+    const detail::ScaledPose found = fitted(fitted_surfaces(), source.samples, pose, freedom);
+    fit.scale = found.scale;
+    return closeness(source.samples, found, target.surfaces, of_source);
+  };
+  ScaledFit fit;
+  const double rigid = closeness_of(detail::Freedom::rigid, fit);
+  const double scaled = closeness_of(detail::Freedom::scaled, fit);
+  if (rigid < kLeastScore || scaled <= rigid) return {};
+  fit.gain = scaled / rigid;
+  return fit;
 }
 
 PoseVerifier::PoseVerifier(const VerifiedCloud& source, const VerifiedCloud& target, double voxel, std::uint64_t seed) {
@@ -307,9 +328,16 @@ PoseEvidence PoseVerifier::evidence(const RigidTransform& T_target_source) const
     std::iota(all.begin(), all.end(), std::size_t{0});
     std::vector<RigidTransform> candidates;
     for (const std::size_t k : highest(scores, std::move(all), kBestDisplaced)) candidates.push_back(poses[k]);
-    const RigidTransform fitted = clouds_->fitted_rigidly(T_target_source);
-    result.rival = clouds_->rival_of(fitted, std::move(candidates), looks.agrees(displaced), weights);
-    result.scaled = clouds_->scaled_fit_of(fitted, weights);
+    // The best one, unless another is as good as the pose by what is seen through.
+    for (const RivalPose& rival :
+         clouds_->rivals_of(T_target_source, std::move(candidates), looks.agrees(displaced), weights)) {
+      PoseEvidence with_rival = result;
+      with_rival.rival = rival;
+      const bool is_equal = has_equal_rival(with_rival);
+      if (is_equal || !result.rival) result.rival = rival;
+      if (is_equal) break;
+    }
+    result.scaled = clouds_->scaled_fit_of(T_target_source, weights);
   }
   return result;
 }

@@ -12,10 +12,10 @@
 
 namespace consimd::features::detail {
 
-/// Looks for the peaks of the clouds' agreement: a pose is shifted across each direction that large surfaces face, by
-/// any step, with no turn about it and with one, two and three quarters of a turn, and turned about each of these
-/// directions and the principal axes by any angle. Displacements that are drawn at random hardly ever hit the one place
-/// to which a scene repeats itself.
+/// Looks for the peaks of the clouds' agreement: a pose is shifted across each direction that large surfaces face, up
+/// to 96 voxels, as it is and turned about it by half a turn, or, about the first one, by quarters; and turned about
+/// each of these directions and the principal axes by any angle. Displacements that are drawn at random hardly ever hit
+/// the one place to which a scene repeats itself.
 class RivalSearch {
  public:
   static constexpr double kCoarse = 2.0;
@@ -30,7 +30,7 @@ class RivalSearch {
   [[nodiscard]] std::vector<RigidTransform> peaks(const RigidTransform& pose,
                                                   const std::vector<SurfacePoint>& telling) const;
 
-  /// Whether surfaces are further from where the other pose takes them than they are matched over.
+  /// Whether the other pose takes the surfaces more than six voxels from where the pose does, root mean square.
   [[nodiscard]] bool is_another(const RigidTransform& pose, const RigidTransform& other) const;
 
  private:

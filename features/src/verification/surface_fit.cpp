@@ -13,13 +13,13 @@ constexpr int kFineRounds = 4;
 
 /// A step of Gauss and Newton towards the planes of the surfaces that the samples agree with.
 ScaledPose stepped(const ScaledPose& pose, const std::vector<SurfacePoint>& samples, const SurfaceMap& surfaces,
-                   const SurfaceLayout& layout, Freedom freedom) {
+                   const SurfaceLayout& layout, double voxel, Freedom freedom) {
   using Vector7 = Eigen::Matrix<double, 7, 1>;
   using Matrix7 = Eigen::Matrix<double, 7, 7>;
-  // Turns, shifts and growth about the centre, in units in which they move the surfaces alike. The ridge keeps what no
+  // Turns, shifts and growth about the centre, in units in which they move the surfaces alike. The ridge damps what no
   // plane determines.
   constexpr double kRidge = 1e-3;
-  const double unit = std::max(layout.spread, 1e-300);
+  const double unit = std::max(layout.spread, voxel);
   Matrix7 normal = Matrix7::Zero();
   Vector7 right = Vector7::Zero();
   double pairs = 0.0;
@@ -54,8 +54,9 @@ ScaledPose fitted(const FittedSurfaces& target, const std::vector<SurfacePoint>&
                   Freedom freedom) {
   ScaledPose pose{.T_target_source = start};
   for (int round = 0; round < kCoarseRounds; ++round)
-    pose = stepped(pose, samples, target.coarse, target.layout, freedom);
-  for (int round = 0; round < kFineRounds; ++round) pose = stepped(pose, samples, target.fine, target.layout, freedom);
+    pose = stepped(pose, samples, target.coarse, target.layout, target.voxel, freedom);
+  for (int round = 0; round < kFineRounds; ++round)
+    pose = stepped(pose, samples, target.fine, target.layout, target.voxel, freedom);
   return pose;
 }
 

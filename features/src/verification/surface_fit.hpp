@@ -17,8 +17,6 @@ struct ScaledPose {
   double scale = 1.0;
 };
 
-[[nodiscard]] inline Eigen::Vector3d vector(const Vector3& x) { return {x[0], x[1], x[2]}; }
-
 /// A surface point where a pose takes it.
 [[nodiscard]] inline SurfacePoint placed(const ScaledPose& pose, const SurfacePoint& surface) {
   const RigidTransform& rigid = pose.T_target_source;
@@ -35,10 +33,11 @@ struct FittedSurfaces {
   const SurfaceMap& coarse;  ///< in cubes of some voxels
   const SurfaceMap& fine;    ///< in cubes of one voxel
   const SurfaceLayout& layout;
+  double voxel;
 };
 
 /// The pose near `start` at which the samples agree best with the surfaces, by least squares to their planes (Chen &
-/// Medioni 1991), to the coarse ones first. What no plane determines stays as it is.
+/// Medioni 1991), to the coarse ones first. What no plane determines moves little.
 [[nodiscard]] ScaledPose fitted(const FittedSurfaces& target, const std::vector<SurfacePoint>& samples,
                                 const RigidTransform& start, Freedom freedom);
 

@@ -11,20 +11,15 @@
 namespace consimd::features::detail {
 namespace {
 
-Eigen::Vector3d vector(const Vector3& x) { return {x[0], x[1], x[2]}; }
-
 /// The next direction is sought among normals that are more than 30 degrees from those before.
 std::vector<Eigen::Vector3d> faced_directions(const std::vector<SurfacePoint>& surfaces, std::uint64_t seed) {
   constexpr std::size_t kMost = 3;
   constexpr std::size_t kCandidates = 64;
-  constexpr std::size_t kNormals = 2000;
   constexpr double kShare = 0.05;
   const double within = std::sqrt(0.5 + 0.25 * std::sqrt(3.0));  // cos 15 degrees
   const double beside = 0.5 * std::sqrt(3.0);                    // cos 30 degrees
   std::vector<Eigen::Vector3d> normals;
-  for (const std::uint32_t row : random_subset(surfaces.size(), kNormals, seed)) {
-    normals.push_back(vector(surfaces[row].normal));
-  }
+  for (const SurfacePoint& surface : surfaces) normals.push_back(vector(surface.normal));
   const double needed = kShare * static_cast<double>(normals.size());
   std::vector<Eigen::Vector3d> directions;
   while (directions.size() < kMost && !normals.empty()) {
@@ -64,13 +59,12 @@ SurfaceLayout layout_of(const std::vector<SurfacePoint>& surfaces, std::uint64_t
   layout.faced = faced_directions(surfaces, seed);
   const auto size = static_cast<double>(surfaces.size());
   for (const SurfacePoint& s : surfaces) layout.centre += vector(s.point) / size;
-  Eigen::Matrix3d scatter = Eigen::Matrix3d::Zero();
   for (const SurfacePoint& s : surfaces) {
     const Eigen::Vector3d offset = vector(s.point) - layout.centre;
-    scatter += offset * offset.transpose() / size;
+    layout.scatter += offset * offset.transpose() / size;
   }
-  layout.spread = std::sqrt(scatter.trace());
-  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> axes(scatter);
+  layout.spread = std::sqrt(layout.scatter.trace());
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> axes(layout.scatter);
   for (int k = 0; k < 3; ++k) {
     const Eigen::Vector3d axis = axes.eigenvectors().col(k);
     constexpr double kSame = 0.995;  // cosine of 6 degrees
@@ -81,10 +75,16 @@ SurfaceLayout layout_of(const std::vector<SurfacePoint>& surfaces, std::uint64_t
   return layout;
 }
 
-Eigen::Matrix3d rotation_about(const Eigen::Vector3d& axis, double cosine, double sine) {
+RigidTransform turned_about(const Eigen::Vector3d& centre, const Eigen::Vector3d& axis, double cosine, double sine,
+                            const RigidTransform& pose) {
   Eigen::Matrix3d cross;
   cross << 0.0, -axis.z(), axis.y(), axis.z(), 0.0, -axis.x(), -axis.y(), axis.x(), 0.0;
-  return cosine * Eigen::Matrix3d::Identity() + sine * cross + (1.0 - cosine) * (axis * axis.transpose());
+  const Eigen::Matrix3d turn =
+      cosine * Eigen::Matrix3d::Identity() + sine * cross + (1.0 - cosine) * (axis * axis.transpose());
+  RigidTransform result;
+  result.linear() = turn * pose.linear();
+  result.translation() = turn * (pose.translation() - centre) + centre;
+  return result;
 }
 
 }  // namespace consimd::features::detail

@@ -6,6 +6,8 @@
 
 #include <Eigen/Core>
 
+#include <consimd/poses/rigid_fit.hpp>
+
 #include "verification/observed_space.hpp"
 
 namespace consimd::features::detail {
@@ -16,14 +18,17 @@ struct SurfaceLayout {
   std::vector<Eigen::Vector3d> faced;
   /// Principal axes of the points that are none of those directions.
   std::vector<Eigen::Vector3d> principal;
-  Eigen::Vector3d centre = Eigen::Vector3d::Zero();  ///< mean of the points
-  double spread = 0.0;                               ///< root mean square distance of the points from their centre
+  Eigen::Vector3d centre = Eigen::Vector3d::Zero();   ///< mean of the points
+  Eigen::Matrix3d scatter = Eigen::Matrix3d::Zero();  ///< mean of (x - centre) (x - centre)^T
+  double spread = 0.0;                                ///< root mean square distance of the points from their centre
 };
 
-/// At least one point. Deterministic in the seed.
+/// surfaces: samples of them; without any the layout is that of no point. Deterministic in the seed.
 [[nodiscard]] SurfaceLayout layout_of(const std::vector<SurfacePoint>& surfaces, std::uint64_t seed);
 
-/// The rotation about `axis`, a unit vector, by the angle of this cosine and sine (Rodrigues).
-[[nodiscard]] Eigen::Matrix3d rotation_about(const Eigen::Vector3d& axis, double cosine, double sine);
+/// The pose with what it places turned about the line through `centre` along `axis`, a unit vector, by the angle of
+/// this cosine and sine (Rodrigues).
+[[nodiscard]] RigidTransform turned_about(const Eigen::Vector3d& centre, const Eigen::Vector3d& axis, double cosine,
+                                          double sine, const RigidTransform& pose);
 
 }  // namespace consimd::features::detail

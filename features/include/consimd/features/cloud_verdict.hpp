@@ -14,7 +14,7 @@ namespace CONSIMD_EXPORT features {
 struct CloudVerdict {
   /// How the clouds agree at the registration's pose, or at the one that the correspondences were too few for
   /// (Registration::refused); none where there is neither. Where the rival was taken for the pose, `runner_up` is of
-  /// the pose that the correspondences gave.
+  /// the pose that the correspondences gave; where the clouds have another pose that is as good, of that one.
   std::optional<PoseEvidence> pose = std::nullopt;
   std::optional<PoseEvidence> runner_up = std::nullopt;
   /// log10 of the chance of the pose that stands: that of the clouds' agreement times the number of such poses that the
@@ -24,8 +24,11 @@ struct CloudVerdict {
   Status of_correspondences = Status::no_consensus;
 };
 
-/// Whether clouds agree so much better with one of them scaled that they cannot be of one scale: rows and surfaces of
-/// rooms may fit within their bounds where one is a twentieth larger.
+/// Whether clouds agree clearly better with one of them scaled: by a tenth.
+[[nodiscard]] bool agrees_better_scaled(const PoseEvidence& evidence) noexcept;
+
+/// Whether they do so by three hundredths or more, so that they cannot be of one scale: rows and surfaces of rooms may
+/// fit within their bounds where one is a twentieth larger. Less is what sensors are off by.
 [[nodiscard]] bool is_of_another_scale(const PoseEvidence& evidence) noexcept;
 
 /// Whether the clouds cannot tell a pose from the rival that they have: it has four fifths of the pose's score and is
@@ -46,8 +49,8 @@ struct CloudVerdict {
 ///
 /// `registration` is one of `correspondences`, whose rows are points of the verifier's clouds: poses are in the
 /// caller's frames, its noise bound in the caller's unit. One without a pose and without a refused one stays as it is,
-/// without the stage. Throws std::invalid_argument on a pose that is not finite, or, where it has to be refined, on a
-/// noise bound that is not above 0 and at most 1e307.
+/// without the stage. Throws std::invalid_argument on a pose that is not finite, or, where one has to be refined or a
+/// rival to be counted, on a noise bound that is not above 0 and at most 1e307.
 CloudVerdict decide(const PoseVerifier& verifier, const Correspondences& correspondences, Registration& registration);
 
 }  // namespace features

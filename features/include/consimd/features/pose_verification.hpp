@@ -30,7 +30,8 @@ struct VerifiedCloud {
 /// Another pose at which two clouds agree.
 struct RivalPose {
   RigidTransform T_target_source = RigidTransform::Identity();  ///< caller's frames
-  /// Of the pose's score: the samples that agree, each by how rarely it does, less those seen through.
+  /// Of the pose's score, both fitted to the surfaces: the samples that agree, each by how rarely it does and how close
+  /// it is, less those seen through. Above 1: the rival is better.
   double share_of_score = 0.0;
   double agreement = 0.0;     ///< as in PoseEvidence
   double seen_through = 0.0;  ///< as in PoseEvidence
@@ -38,9 +39,8 @@ struct RivalPose {
 
 /// How two clouds agree if one may be of another scale.
 struct ScaledFit {
-  /// Of the source, at which the clouds agree best near the pose.
-  double scale = 1.0;
-  /// What the surfaces agree in at that scale, over what they do with the pose fitted to them at the scale 1.
+  double scale = 1.0;  ///< of the source, where that is better than 1
+  /// How closely the surfaces agree with the pose fitted at that scale, over how they do with it fitted at the scale 1.
   double gain = 1.0;
 };
 
@@ -56,8 +56,9 @@ struct PoseEvidence {
   std::size_t displacements = 0;     ///< poses that the chance comes from
   double displaced_agreement = 0.0;  ///< as `agreement`, mean of the displaced poses
   double displaced_seen_through = 0.0;  ///< as `seen_through`, mean of the displaced poses
-  /// Of the poses at which the clouds agree as at few others, the one that is best but for this: where a scene repeats
-  /// itself, or about an axis of symmetry. None where there is no such, or the pose's own chance is above 1 in 20.
+  /// The best other pose at which the clouds agree, where a scene repeats itself or about an axis of symmetry; before
+  /// better ones that are seen through, the best that is as good as the pose (see has_equal_rival). None where there is
+  /// no such, or the pose's own chance is above 1 in 20.
   std::optional<RivalPose> rival = std::nullopt;
   ScaledFit scaled = {};  ///< of a pose whose chance is below 1 in 20
 };

@@ -67,7 +67,7 @@ struct Registration {
   double log10_false_poses = 0.0;
   /// The best pose of another motion that the search met, where it is significant. One with four fifths of the support
   /// is met nearly as surely as the best pose. Two rigid motions, or an object that is its own image when turned, show
-  /// here.
+  /// here. Of two clouds it may be a pose at which these agree as well, with few rows (see cloud_verdict.hpp).
   std::optional<RunnerUp> runner_up;
   /// Without a pose: the most significant one that was met, which chance or structure gives as well; for those who have
   /// other evidence. None where it is a mirror image, at another scale or undetermined.
