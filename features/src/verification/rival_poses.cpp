@@ -68,6 +68,7 @@ std::vector<RivalSearch::Peak> RivalSearch::shifted(const RigidTransform& pose,
   const RigidTransform turned_pose =
       turned_about(layout_.centre, direction, kCosine[quarter_turns], kSine[quarter_turns], pose);
   std::vector<SurfacePoint> surfaces;
+  surfaces.reserve(telling.size());
   for (const SurfacePoint& surface : telling) surfaces.push_back(placed({turned_pose, 1.0}, surface));
   const double step = kStep * voxel_;
   const Eigen::Vector3d first = step * direction.unitOrthogonal();
@@ -77,7 +78,8 @@ std::vector<RivalSearch::Peak> RivalSearch::shifted(const RigidTransform& pose,
   const int width = 2 * reach + 3;
   std::vector<std::size_t> counts(static_cast<std::size_t>(width) * static_cast<std::size_t>(width));
   const auto at = [&](int a, int b) -> std::size_t& {
-    return counts[static_cast<std::size_t>((b + reach + 1) * width + a + reach + 1)];
+    return counts[static_cast<std::size_t>(b + reach + 1) * static_cast<std::size_t>(width) +
+                  static_cast<std::size_t>(a + reach + 1)];
   };
   const auto visit = [&](const auto& place) {
     for (int b = -reach; b <= reach; ++b) {

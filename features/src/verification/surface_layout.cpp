@@ -19,6 +19,7 @@ std::vector<Eigen::Vector3d> faced_directions(const std::vector<SurfacePoint>& s
   const double within = std::sqrt(0.5 + 0.25 * std::sqrt(3.0));  // cos 15 degrees
   const double beside = 0.5 * std::sqrt(3.0);                    // cos 30 degrees
   std::vector<Eigen::Vector3d> normals;
+  normals.reserve(surfaces.size());
   for (const SurfacePoint& surface : surfaces) normals.push_back(vector(surface.normal));
   const double needed = kShare * static_cast<double>(normals.size());
   std::vector<Eigen::Vector3d> directions;
