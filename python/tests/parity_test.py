@@ -29,15 +29,15 @@ CPP_ALONE = {
     # Files, the parts that match_clouds is made of, and what consimd.features calls normals.
     "features": {"read_cloud", "choose_voxel", "occupied_voxels", "random_subset", "radius_neighbours", "resolution",
                  "estimate_normals", "refine_registration", "parse_refinement_method", "to_string", "moved_ply",
-                 "verify_registration", "decide", "is_borne_out", "read_npz_matches", "read_matched_rows",
-                 "read_indexed_matches"},
+                 "verify_registration", "decide", "is_borne_out", "has_equal_rival", "agrees_better_scaled",
+                 "is_of_another_scale", "read_npz_matches", "read_matched_rows", "read_indexed_matches"},
 }
 # Of Python alone: classes, and bit sets as masks.
 PYTHON_ALONE = {
     "kernels": {"ConsistencyMatrix", "Correspondences", "RigidFit", "RigidMoments", "pack_bits", "unpack_bits"},
     "synth": {"Problem"},
     "features": {"CloudMatches", "CloudSummary", "CloudVerdict", "PoseEvidence", "Refinement", "RefinementStatus",
-                 "normals"},
+                 "RivalPose", "normals"},
 }
 RENAMED = {"T_target_source": "pose"}
 
