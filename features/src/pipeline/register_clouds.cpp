@@ -37,7 +37,7 @@ CloudRegistration attempt(const Cloud& source, const Cloud& target, const CloudR
 
 /// Whether an attempt has shown what coarser voxels can only forget: that the scene repeats itself, or that the clouds
 /// are not of one scale.
-bool is_told(const CloudRegistration& found) {
+bool is_decided(const CloudRegistration& found) {
   if (!found.verdict->pose) return false;
   const PoseEvidence& evidence = *found.verdict->pose;
   if (const auto& refused = found.registration.refused; refused && is_of_another_scale(evidence)) {
@@ -64,7 +64,7 @@ CloudRegistration verified(const Cloud& source, const Cloud& target, const Cloud
   double needed = kBeyondDoubt;
   std::uint32_t attempts = 1;
   for (const double points_a_voxel : kPointsAcrossRings) {
-    if (!options.verify || best.verdict->log10_of_both < needed || best.registration.stopped || is_told(best)) break;
+    if (!options.verify || best.verdict->log10_of_both < needed || best.registration.stopped || is_decided(best)) break;
     // Clouds of a few voxels would be left with none.
     if (std::min(best.matches.source.voxels, best.matches.target.voxels) < kFewVoxels) break;
     const double coarser = coarser_than(voxel, source, target, options, points_a_voxel);

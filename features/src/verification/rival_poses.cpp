@@ -74,7 +74,7 @@ std::vector<RivalSearch::Peak> RivalSearch::shifted(const RigidTransform& pose,
   const Eigen::Vector3d first = step * direction.unitOrthogonal();
   const Eigen::Vector3d second = direction.cross(first);
   const int reach = static_cast<int>(std::clamp(layout_.spread / step, 2.0, static_cast<double>(kFarthest)));
-  // With a margin of places where nothing agrees.
+  // The grid has a margin, where nothing agrees.
   const int width = 2 * reach + 3;
   std::vector<std::size_t> counts(static_cast<std::size_t>(width) * static_cast<std::size_t>(width));
   const auto at = [&](int a, int b) -> std::size_t& {
@@ -159,7 +159,8 @@ std::vector<RigidTransform> RivalSearch::peaks(const RigidTransform& pose,
     std::ranges::stable_sort(family, higher);
     if (family.size() > kOfEachFamily) family.resize(kOfEachFamily);
   });
-  // Of each kind the highest: on a surface that resembles itself many shifts are as high as the turns about its axis.
+  // The highest of each kind are taken: on a surface that resembles itself many shifts are as high as the turns about
+  // its axis.
   std::vector<RigidTransform> poses;
   const auto add_highest = [&](std::size_t begin, std::size_t end, std::size_t most) {
     std::vector<Peak> found;

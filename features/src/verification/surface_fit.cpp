@@ -53,10 +53,12 @@ ScaledPose stepped(const ScaledPose& pose, const std::vector<SurfacePoint>& samp
 ScaledPose fitted(const FittedSurfaces& target, const std::vector<SurfacePoint>& samples, const RigidTransform& start,
                   Freedom freedom) {
   ScaledPose pose{.T_target_source = start};
-  for (int round = 0; round < kCoarseRounds; ++round)
+  for (int round = 0; round < kCoarseRounds; ++round) {
     pose = stepped(pose, samples, target.coarse, target.layout, target.voxel, freedom);
-  for (int round = 0; round < kFineRounds; ++round)
+  }
+  for (int round = 0; round < kFineRounds; ++round) {
     pose = stepped(pose, samples, target.fine, target.layout, target.voxel, freedom);
+  }
   return pose;
 }
 

@@ -89,17 +89,18 @@ void search_independent_rows(const Correspondences& correspondences, const detai
 // Where many pairs agree because matches keep range and height, those of such matches agree with more of a set than the
 // true ones, which pruning then leaves out. Two motions with about the same support are a sign of it, and support that
 // is hardly more than such matches explain. Triples of all rows do not know of sets; looked at only where few are
-// enough. The search's largest set tells whether other reasons make rows agree.
-void search_triples(const Correspondences& correspondences, const TcfOptions& options, const detail::PoseTest& test,
-                    std::size_t largest_set, Judged& judged) {
+// enough. The search's largest set tells whether other reasons make rows agree. Returns the triples drawn; `stopped` is
+// set where the options' condition ended this.
+std::uint64_t search_triples(const Correspondences& correspondences, const TcfOptions& options,
+                             const detail::PoseTest& test, std::size_t largest_set, Judged& judged, bool& stopped) {
   constexpr std::uint32_t kMostTriples = 65'536;
   const detail::PoseCandidate& best = judged.poses.best();
-  if (best.support.count < 3) return;
-  if (best.support.count > kFewOfTheSet * static_cast<double>(largest_set)) return;
+  if (best.support.count < 3) return 0;
+  if (best.support.count > kFewOfTheSet * static_cast<double>(largest_set)) return 0;
   const bool has_rival = are_rivals(judged.poses.runner_up(), best);
-  if (judged.final.log10_false_poses < (has_rival ? kInDoubtBesideRival : kInDoubt)) return;
+  if (judged.final.log10_false_poses < (has_rival ? kInDoubtBesideRival : kInDoubt)) return 0;
   const double share = best.support.count / static_cast<double>(correspondences.size());
-  if (detail::iterations_needed(options.confidence, share, 3) > kMostTriples) return;
+  if (detail::iterations_needed(options.confidence, share, 3) > kMostTriples) return 0;
   const RansacOptions ransac{.noise_bound = options.noise_bound,
                              .seed = options.seed,
                              .max_iterations = kMostTriples,
@@ -114,6 +115,8 @@ void search_triples(const Correspondences& correspondences, const TcfOptions& op
   }
   keep_as_runner_up(met, judged.poses);
   keep_as_runner_up(other, judged.poses);
+  stopped = stopped || search.stopped();
+  return search.iterations();
 }
 
 void solve(const Correspondences& correspondences, const TcfOptions& options, const detail::TcfTuning& tuning,
@@ -146,8 +149,11 @@ void solve(const Correspondences& correspondences, const TcfOptions& options, co
     if (!careful && !search.stopped()) search_independent_rows(correspondences, search_options, test, judged);
     if (judged.final.log10_false_poses < detail::kSignificant) break;
   }
+  double triples_seconds = 0.0;
+  std::uint64_t triples = 0;
   if (!search.stopped() && !result.stopped) {
-    search_triples(correspondences, options, test, search.sets().largest_raw_set(), judged);
+    const detail::StageClock triples_clock(triples_seconds);
+    triples = search_triples(correspondences, options, test, search.sets().largest_raw_set(), judged, result.stopped);
   }
   const auto& [poses, final] = judged;
   result.stopped = result.stopped || search.stopped();
@@ -157,7 +163,8 @@ void solve(const Correspondences& correspondences, const TcfOptions& options, co
   result.stages = {
       {"one_point", size, sets.largest_raw_set(), sets.drawn(), sets.one_point_seconds()},
       {"two_point", sets.largest_raw_set(), search.best_set().size(), search.seeds(), search.two_point_seconds()},
-      {"three_point", size, poses.best().support.count, search.minimal_fits(), search.three_point_seconds()},
+      {"three_point", size, poses.best().support.count, search.minimal_fits() + triples,
+       search.three_point_seconds() + triples_seconds},
       {"refinement", size, result.inliers.size(), final.rounds, refinement_seconds}};
 }
 
