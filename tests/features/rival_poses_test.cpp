@@ -104,19 +104,17 @@ TEST(RivalPoses, MakeASuccessAmbiguous) {
   EXPECT_GT(verdict.runner_up->agreement, 0.5 * verdict.pose->agreement);
 }
 
-// From the front end on. The correspondences alone call two of these three a success.
+// From the front end on: the correspondences alone call each of these a success, and none of the poses is right.
 TEST(RivalPoses, RowsOfLikeHousesAreNoSuccess) {
-  int by_correspondences = 0;
-  for (std::uint32_t seed = 1; seed <= 3; ++seed) {
-    const double ahead = 2.0 + 2.0 * seed;
+  for (std::uint32_t seed = 4; seed <= 6; ++seed) {
+    const double ahead = 1.5 * seed;
     const auto found =
-        features::register_clouds(cloud_of(scan_of(like_houses(kPeriod), ahead, 0.4, seed, 48, 1000)),
-                                  cloud_of(scan_of(like_houses(kPeriod), 0.0, 0.0, 9, 48, 1000)), {.seed = seed});
-    by_correspondences += found.verdict->of_correspondences == Status::success ? 1 : 0;
+        features::register_clouds(cloud_of(scan_of(like_houses(13.0), ahead, 0.4, seed, 48, 1000)),
+                                  cloud_of(scan_of(like_houses(13.0), 0.0, 0.0, 9, 48, 1000)), {.seed = seed});
+    EXPECT_EQ(found.verdict->of_correspondences, Status::success) << seed;
     EXPECT_EQ(found.registration.status, Status::ambiguous) << seed;
     EXPECT_TRUE(features::has_equal_rival(*found.verdict->pose)) << seed;
   }
-  EXPECT_EQ(by_correspondences, 2);
 }
 
 // A tin: every turn about its axis is as good as another.
