@@ -117,7 +117,8 @@ TEST(RivalPoses, RowsOfLikeHousesAreNoSuccess) {
   }
 }
 
-// A tin: every turn about its axis is as good as another.
+// A tin: every turn about its axis is as good as another. The correspondences alone call these a success, as they do
+// a quarter of such pairs.
 TEST(RivalPoses, ATinIsNoSuccess) {
   const auto tin = [](std::uint32_t seed) {
     std::mt19937 random(seed);
@@ -132,9 +133,10 @@ TEST(RivalPoses, ATinIsNoSuccess) {
     }
     return points;
   };
-  for (std::uint32_t seed = 1; seed <= 3; ++seed) {
+  for (const std::uint32_t seed : {6U, 10U, 12U}) {
     const auto found =
         features::register_clouds(cloud_of(moved(some_pose(), tin(seed))), cloud_of(tin(seed + 10)), {.seed = seed});
+    EXPECT_EQ(found.verdict->of_correspondences, Status::success) << seed;
     EXPECT_NE(found.registration.status, Status::success) << seed;
   }
 }
