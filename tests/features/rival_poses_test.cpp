@@ -76,6 +76,23 @@ TEST(RivalPoses, WithoutViewpointsOneNeedsFourFifthsOfTheScore) {
   EXPECT_FALSE(features::has_equal_rival(found));
 }
 
+// Of surfaces that displaced poses share, which hardly count, as of a screw that is turned end for end.
+TEST(RivalPoses, OneThatMoreSurfacesAgreeAtNeedsHalfOfTheScore) {
+  PoseEvidence found{.agreement = 0.5, .samples = 640};
+  found.rival = features::RivalPose{.share_of_score = 0.5, .agreement = 0.5};
+  EXPECT_TRUE(features::has_equal_rival(found));
+  found.rival->share_of_score = 0.49;
+  EXPECT_FALSE(features::has_equal_rival(found));
+  found.rival->share_of_score = 0.79;
+  found.rival->agreement = 0.49;
+  EXPECT_FALSE(features::has_equal_rival(found));
+  found.rival->agreement = 0.6;
+  found.displaced_agreement = 0.2;
+  found.displaced_seen_through = 0.1;
+  found.rival->seen_through = 0.1;
+  EXPECT_FALSE(features::has_equal_rival(found));
+}
+
 TEST(RivalPoses, MakeASuccessAmbiguous) {
   const Points points = scan_of(like_houses(kPeriod), 3.0, 0.0, 1);
   const Seen source(points), target(scan_of(like_houses(kPeriod), 0.0, 0.0, 2));
@@ -185,6 +202,37 @@ TEST(RivalPoses, MostConesHaveOneForEveryTurn) {
     equal += features::has_equal_rival(found) ? 1 : 0;
   }
   EXPECT_GE(equal, 14) << equal;
+}
+
+/// On three balls of other sizes.
+Points three_balls(const Eigen::Vector3d& shift, std::uint32_t seed) {
+  std::mt19937 random(seed);
+  const Eigen::Vector3d centres[] = {{0.0, 0.0, 0.0}, {2.5, 0.5, 0.0}, {0.5, 2.0, 1.5}};
+  const double radii[] = {1.5, 1.0, 0.7};
+  Points points;
+  while (points.size() < 6000) {
+    const Eigen::Vector3d ray(uniform(random), uniform(random), uniform(random));
+    if (ray.norm() > 1.0) continue;
+    const std::size_t ball = random() % 3;
+    const Eigen::Vector3d place = shift + centres[ball] + radii[ball] * ray.normalized();
+    points.push_back({place.x(), place.y(), place.z()});
+  }
+  return points;
+}
+
+// No surface faces across the shift between the two, which is longer than they are spread.
+TEST(RivalPoses, TwoLikeObjectsOfWhichOneScanHasOneAreTold) {
+  const Seen source(three_balls({0.0, 0.0, 0.0}, 1));
+  for (const Eigen::Vector3d& shift : {Eigen::Vector3d(12.0, 7.0, 5.0), Eigen::Vector3d(-3.0, 20.0, -9.0)}) {
+    Points both = three_balls({0.0, 0.0, 0.0}, 2);
+    const Points other = three_balls(shift, 3);
+    both.insert(both.end(), other.begin(), other.end());
+    const PoseEvidence found = evidence(source, Seen(both), RigidTransform::Identity());
+    ASSERT_TRUE(found.rival);
+    EXPECT_TRUE(features::has_equal_rival(found)) << found.rival->share_of_score;
+    EXPECT_LT((found.rival->T_target_source.translation() - shift).norm(), 0.1);
+    EXPECT_LT((found.rival->T_target_source.linear() - Eigen::Matrix3d::Identity()).norm(), 0.1);
+  }
 }
 
 // Some points with normals, far from one another.

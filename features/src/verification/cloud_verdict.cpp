@@ -32,8 +32,9 @@ constexpr double kRivalAgreement = 0.8;
 // A rival that has less than this part of the share that displaced poses have is seen through nowhere: so have right
 // poses. Beside the right poses of 40 synthetic rooms and streets the best rivals have 0.12 or more of it.
 constexpr double kSeenNowhere = 0.05;
-// A scan that is shifted by a house or a door has less of the other in its sight, but contradicts it nowhere. With this
-// share of the pose's score it is as good as can be told, where displaced poses have that share seen through.
+// A rival at which as many surfaces agree as at the pose, if not the rare ones, needs this share of the pose's score.
+// So does a scan that is shifted by a house or a door: it has less of the other in its sight, but contradicts it
+// nowhere, which tells something where displaced poses have that share seen through.
 constexpr double kCleanRival = 0.5;
 constexpr double kDisplacedAreSeenThrough = 0.1;
 
@@ -118,8 +119,11 @@ bool has_equal_rival(const PoseEvidence& evidence) noexcept {
   const double of_displaced = share_seen_through(evidence.displaced_agreement, evidence.displaced_seen_through);
   const bool is_clean = of_rival <= kSeenNowhere * of_displaced;
   // A pose that is itself seen through does not rule a rival out by that.
-  if (rival.share_of_score >= kRivalAgreement) return is_clean || of_rival <= 2.0 * of_pose;
-  return rival.share_of_score >= kCleanRival && is_clean && of_displaced >= kDisplacedAreSeenThrough;
+  const bool is_not_ruled_out = is_clean || of_rival <= 2.0 * of_pose;
+  if (rival.share_of_score >= kRivalAgreement) return is_not_ruled_out;
+  if (rival.share_of_score < kCleanRival) return false;
+  return (rival.agreement >= evidence.agreement && is_not_ruled_out) ||
+         (is_clean && of_displaced >= kDisplacedAreSeenThrough);
 }
 
 bool is_borne_out(const PoseEvidence& evidence, double log10_false_poses) noexcept {

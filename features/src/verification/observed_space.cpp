@@ -16,8 +16,6 @@ constexpr double kAlong = 1.5;
 constexpr double kAcross = 1.0;
 // Along an axis, so that the product of three still numbers the cubes; voxel_grid has the same limit.
 constexpr double kMostCubes = 0x1p20 + 8.0;
-// Cosine of 45 degrees: normals of thinned out clouds are some 10 to 20 degrees off at edges.
-constexpr double kSteepness = 0.7071067811865476;
 
 std::uint64_t mixed(std::uint64_t key) noexcept {
   // Finaliser of MurmurHash3.
@@ -145,8 +143,7 @@ double SurfaceMap::offset(const SurfacePoint& surface, const SurfacePoint& place
 }
 
 bool SurfaceMap::passes(const SurfacePoint& surface, const SurfacePoint& place) const noexcept {
-  return std::abs(offset(surface, place)) <= kAcross * side_ &&
-         std::abs(dot(place.normal, surface.normal)) >= kSteepness;
+  return std::abs(offset(surface, place)) <= kAcross * side_ && of_like_orientation(place, surface);
 }
 
 Agreement SurfaceMap::agreement(const SurfacePoint& place) const noexcept {

@@ -2,9 +2,11 @@
 #pragma once
 
 #include <array>
+#include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <optional>
+#include <span>
 #include <vector>
 
 #include <Eigen/Core>
@@ -28,6 +30,13 @@ struct SurfacePoint {
   Vector3 normal{};
 };
 
+/// Whether they face one way, either side, but for 45 degrees: normals of thinned out clouds are some 10 to 20 degrees
+/// off at edges.
+[[nodiscard]] inline bool of_like_orientation(const SurfacePoint& a, const SurfacePoint& b) noexcept {
+  constexpr double kCosine = 0.7071067811865476;
+  return std::abs(dot(a.normal, b.normal)) >= kCosine;
+}
+
 /// What is near a place.
 enum class Agreement : std::uint8_t {
   surface,  ///< a surface of like orientation passes there
@@ -42,6 +51,8 @@ class SurfaceMap {
   /// Throws std::invalid_argument where they are more than 2^20 voxels apart.
   SurfaceMap(const CellGrid& surfaces, double voxel, double sides = 1.0);
 
+  /// The points with a normal.
+  [[nodiscard]] std::span<const SurfacePoint> surfaces() const noexcept { return points_; }
   [[nodiscard]] Agreement agreement(const SurfacePoint& place) const noexcept;
   /// The surface that the place agrees with, or null.
   [[nodiscard]] const SurfacePoint* surface_at(const SurfacePoint& place) const noexcept;

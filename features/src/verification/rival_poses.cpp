@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <numbers>
+#include <span>
 
 #include <consimd/kernels/elementary_functions.hpp>
 
@@ -24,6 +25,10 @@ constexpr int kMostTurns = 512;
 constexpr double kLeastShare = 0.4;
 constexpr std::size_t kFew = 5;
 constexpr std::size_t kSome = 16;
+// Surfaces of the target that each of some samples is shifted to, at most: a shift is as far from a peak as the nearest
+// of them.
+constexpr std::size_t kShiftedSamples = 4;
+constexpr std::size_t kLikeSurfaces = 4096;
 constexpr std::size_t kOfEachFamily = 3;
 constexpr std::size_t kShiftedPeaks = 8;
 constexpr std::size_t kTurnedPeaks = 4;
@@ -115,6 +120,37 @@ std::vector<RivalSearch::Peak> RivalSearch::shifted(const RigidTransform& pose,
   return peaks;
 }
 
+// Of the shifts between two like objects, which may have any direction, each takes every sample on one to a surface of
+// the other.
+std::vector<RivalSearch::Peak> RivalSearch::shifted_to_like(const RigidTransform& pose,
+                                                            const std::vector<SurfacePoint>& telling) const {
+  std::vector<SurfacePoint> surfaces;
+  surfaces.reserve(telling.size());
+  for (const SurfacePoint& surface : telling) surfaces.push_back(placed({pose, 1.0}, surface));
+  const std::span<const SurfacePoint> like = coarse_.surfaces();
+  const std::size_t stride = 1 + like.size() / kLikeSurfaces;
+  std::vector<Peak> peaks;
+  for (std::size_t s = 0; s < std::min(kShiftedSamples, surfaces.size()); ++s) {
+    const SurfacePoint& sample = surfaces[s * surfaces.size() / kShiftedSamples];
+    for (std::size_t j = 0; j < like.size(); j += stride) {
+      if (!of_like_orientation(sample, like[j])) continue;
+      Vector3 shift;
+      for (std::size_t c = 0; c < 3; ++c) shift[c] = like[j].point[c] - sample.point[c];
+      if (dot(shift, shift) <= kAnother * kAnother * voxel_ * voxel_) continue;
+      const std::size_t count = agreeing(surfaces.size(), [&](std::size_t i) {
+        SurfacePoint place = surfaces[i];
+        for (std::size_t c = 0; c < 3; ++c) place.point[c] += shift[c];
+        return place;
+      });
+      if (static_cast<double>(count) < kLeastShare * static_cast<double>(surfaces.size())) continue;
+      RigidTransform peak = pose;
+      peak.translation() += vector(shift);
+      peaks.emplace_back(count, peak);
+    }
+  }
+  return peaks;
+}
+
 std::vector<RivalSearch::Peak> RivalSearch::turned(const RigidTransform& pose, const std::vector<SurfacePoint>& telling,
                                                    const Eigen::Vector3d& axis) const {
   // Half of the surfaces lie less than their spread from the centre, few beyond 1.5 times that.
@@ -149,15 +185,25 @@ std::vector<RigidTransform> RivalSearch::peaks(const RigidTransform& pose,
   for (std::size_t d = 0; d < layout_.faced.size(); ++d) {
     for (int quarters = 0; quarters < 4; quarters += d == 0 ? 1 : 2) shifts.emplace_back(layout_.faced[d], quarters);
   }
-  std::vector<std::vector<Peak>> families(shifts.size() + axes.size());
+  // Shifts across the directions, the others, turns.
+  const std::size_t all_shifts = shifts.size() + 1;
+  std::vector<std::vector<Peak>> families(all_shifts + axes.size());
   const auto higher = [](const Peak& a, const Peak& b) { return a.first > b.first; };
   tbb::parallel_for(std::size_t{0}, families.size(), [&](std::size_t f) {
-    std::vector<Peak>& family = families[f];
-    family = f < shifts.size() ? shifted(pose, telling, shifts[f].first, shifts[f].second)
-                               : turned(pose, telling, axes[f - shifts.size()]);
-    std::erase_if(family, [&](const Peak& peak) { return !is_another(pose, peak.second); });
-    std::ranges::stable_sort(family, higher);
-    if (family.size() > kOfEachFamily) family.resize(kOfEachFamily);
+    std::vector<Peak> found;
+    if (f < shifts.size()) {
+      found = shifted(pose, telling, shifts[f].first, shifts[f].second);
+    } else if (f < all_shifts) {
+      found = shifted_to_like(pose, telling);
+    } else {
+      found = turned(pose, telling, axes[f - all_shifts]);
+    }
+    std::ranges::stable_sort(found, higher);
+    for (const Peak& peak : found) {
+      if (families[f].size() == kOfEachFamily) break;
+      const auto is_known = [&](const Peak& known) { return !is_another(known.second, peak.second); };
+      if (is_another(pose, peak.second) && std::ranges::none_of(families[f], is_known)) families[f].push_back(peak);
+    }
   });
   // The highest of each kind are taken: on a surface that resembles itself many shifts are as high as the turns about
   // its axis.
@@ -168,8 +214,8 @@ std::vector<RigidTransform> RivalSearch::peaks(const RigidTransform& pose,
     std::ranges::stable_sort(found, higher);
     for (std::size_t k = 0; k < std::min(most, found.size()); ++k) poses.push_back(found[k].second);
   };
-  add_highest(0, shifts.size(), kShiftedPeaks);
-  add_highest(shifts.size(), families.size(), kTurnedPeaks);
+  add_highest(0, all_shifts, kShiftedPeaks);
+  add_highest(all_shifts, families.size(), kTurnedPeaks);
   return poses;
 }
 

@@ -13,9 +13,9 @@
 namespace consimd::features::detail {
 
 /// Looks for the peaks of the clouds' agreement: a pose is shifted across each direction that large surfaces face, up
-/// to 96 voxels, as it is and turned about it by half a turn, or, about the first one, by quarters; and turned about
-/// each of these directions and the principal axes by any angle. Displacements that are drawn at random hardly ever hit
-/// the one place to which a scene repeats itself.
+/// to 96 voxels, as it is and turned about it by half a turn, or, about the first one, by quarters; shifted so that it
+/// takes some surface to any other; and turned about each of these directions and the principal axes by any angle.
+/// Displacements that are drawn at random hardly ever hit the one place to which a scene repeats itself.
 class RivalSearch {
  public:
   static constexpr double kCoarse = 2.0;
@@ -38,6 +38,8 @@ class RivalSearch {
 
   [[nodiscard]] std::vector<Peak> shifted(const RigidTransform& pose, const std::vector<SurfacePoint>& telling,
                                           const Eigen::Vector3d& direction, int quarter_turns) const;
+  [[nodiscard]] std::vector<Peak> shifted_to_like(const RigidTransform& pose,
+                                                  const std::vector<SurfacePoint>& telling) const;
   [[nodiscard]] std::vector<Peak> turned(const RigidTransform& pose, const std::vector<SurfacePoint>& telling,
                                          const Eigen::Vector3d& axis) const;
   /// Samples that agree, 0 where the first ones hardly do. place(i): where sample i is.

@@ -31,9 +31,10 @@ struct CloudVerdict {
 /// fit within their bounds where one is a twentieth larger. Less is what sensors are off by.
 [[nodiscard]] bool is_of_another_scale(const PoseEvidence& evidence) noexcept;
 
-/// Whether the clouds cannot tell a pose from the rival that they have: it has four fifths of the pose's score and is
-/// hardly more seen through, or half of the score and is seen through nowhere, where displaced poses are: less of one
-/// scan is in sight of the other from a place that is further away, but nothing speaks against it.
+/// Whether the clouds cannot tell a pose from the rival that they have: it has four fifths of the pose's score, or half
+/// of it and as many surfaces that agree, and is hardly more seen through; or it has half of the score and is seen
+/// through nowhere, where displaced poses are: less of one scan is in sight of the other from a place that is further
+/// away, but nothing speaks against it.
 [[nodiscard]] bool has_equal_rival(const PoseEvidence& evidence) noexcept;
 
 /// Whether clouds bear a pose out: it is seen through in few places, agrees better than chance gives and at one scale,
