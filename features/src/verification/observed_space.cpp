@@ -169,30 +169,42 @@ FreeSpace::FreeSpace(const Cloud& scan, const Vector3& viewpoint, double margin)
   // As fine as leaves two points or more in a cell on average: an empty cell among seen ones tells nothing.
   constexpr std::size_t kFinest = 128;
   constexpr std::size_t kCoarsest = 16;
-  for (edge_ = kFinest; edge_ >= kCoarsest; edge_ /= 2) {
-    range_.assign(6 * edge_ * edge_, 0.0f);
-    look(scan);
+  edge_ = kFinest;
+  std::vector<Direction> points(scan.size());
+  for (std::size_t i = 0; i < points.size(); ++i) points[i] = direction(scan.point(i));
+  for (;;) {
+    look(points);
     const auto seen = static_cast<std::size_t>(std::ranges::count_if(range_, [](float r) { return r > 0.0f; }));
-    if (2 * seen <= scan.size()) break;
+    if (2 * seen <= points.size()) break;
+    // Of each four cells one is made: the edges are powers of two, so that directions are rounded to the same cells.
+    if (edge_ == kCoarsest) {
+      edge_ = 0;
+      return;
+    }
+    for (Direction& point : points) {
+      const std::size_t column = point.cell % edge_;
+      const std::size_t row = point.cell / edge_;  // of all faces
+      point.cell = row / 2 * (edge_ / 2) + column / 2;
+    }
+    edge_ /= 2;
   }
-  if (edge_ < kCoarsest || hides_much(scan)) {
+  if (hides_much(points)) {
     edge_ = 0;
     return;
   }
   reach_to_the_nearest_beside();
 }
 
-bool FreeSpace::hides_much(const Cloud& scan) const {
+bool FreeSpace::hides_much(const std::vector<Direction>& points) const {
   // Where a scan is taken as seen from its viewpoint, 2 to 21 % of its points lie behind others in the same cell; where
   // it is taken as seen from 3 times its spread beside that, 35 to 94 % do.
   constexpr double kMostHidden = 1.0 / 3.0;
   std::size_t hidden = 0;
-  for (std::size_t i = 0; i < scan.size(); ++i) {
-    const Direction seen = direction(scan.point(i));
+  for (const Direction& seen : points) {
     const double free = static_cast<double>(range_[seen.cell]) + margin_;
     hidden += seen.squared_range > free * free ? std::size_t{1} : std::size_t{0};
   }
-  return static_cast<double>(hidden) > kMostHidden * static_cast<double>(scan.size());
+  return static_cast<double>(hidden) > kMostHidden * static_cast<double>(points.size());
 }
 
 void FreeSpace::reach_to_the_nearest_beside() {
@@ -243,11 +255,12 @@ FreeSpace::Direction FreeSpace::direction(const Vector3& place) const noexcept {
   return {(face * edge_ + cell(across)) * edge_ + cell(down), x * x + y * y + z * z};
 }
 
-void FreeSpace::look(const Cloud& scan) {
-  for (std::size_t i = 0; i < scan.size(); ++i) {
-    const Direction seen = direction(scan.point(i));
+void FreeSpace::look(const std::vector<Direction>& points) {
+  range_.assign(6 * edge_ * edge_, 0.0f);
+  for (const Direction& seen : points) {
     const auto range = static_cast<float>(std::sqrt(seen.squared_range));
-    if (range > 0.0f && (range_[seen.cell] == 0.0f || range < range_[seen.cell])) range_[seen.cell] = range;
+    float& nearest = range_[seen.cell];
+    if (range > 0.0f && (nearest == 0.0f || range < nearest)) nearest = range;
   }
 }
 

@@ -102,8 +102,9 @@ class FreeSpace {
     double squared_range = 0.0;
   };
   [[nodiscard]] Direction direction(const Vector3& place) const noexcept;
-  void look(const Cloud& scan);
-  [[nodiscard]] bool hides_much(const Cloud& scan) const;
+  /// Fills the ranges. points: where the scan saw.
+  void look(const std::vector<Direction>& points);
+  [[nodiscard]] bool hides_much(const std::vector<Direction>& points) const;
   void reach_to_the_nearest_beside();
 
   Vector3 viewpoint_{};
