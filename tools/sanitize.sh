@@ -14,7 +14,7 @@ if [[ -z $folder ]]; then
   build "$preset"
   run_tests "$preset"
 else
-  build "$preset" "consimd_${folder}_tests"
+  build "$preset" "tests/$folder/all"
   find_test_data
   ctest --test-dir "$root/build/$preset/tests/$folder" --output-on-failure --no-tests=error --parallel "$(nproc)" "${@:3}"
 fi
