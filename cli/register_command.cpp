@@ -89,9 +89,9 @@ features::MatchedPoints read_pairs(const RegisterOptions& options) {
 Correspondences read_rows(const RegisterOptions& options) {
   const std::string& file = options.file;
   const std::string ending = std::filesystem::path(file).extension().string();
-  if (!options.pairs.empty() || ending == ".npz") {
+  if (!options.pairs.empty() || ending == ".npz" || ending == ".npy") {
     const features::MatchedPoints matches =
-        options.pairs.empty() ? features::read_npz_matches(file) : read_pairs(options);
+        options.pairs.empty() ? features::read_array_matches(file) : read_pairs(options);
     if (matches.source.size() >= 3) return matches.correspondences();
     throw std::runtime_error(fmt::format("{}: expected at least 3 correspondences, got {}: a pose needs three", file,
                                          matches.source.size()));
@@ -99,7 +99,7 @@ Correspondences read_rows(const RegisterOptions& options) {
   try {
     return synth::read_correspondences(file, options.columns);
   } catch (const std::runtime_error&) {
-    constexpr std::array kCloudEndings{".ply", ".pcd", ".npy", ".bin", ".las"};
+    constexpr std::array kCloudEndings{".ply", ".pcd", ".bin", ".las"};
     if (std::find(kCloudEndings.begin(), kCloudEndings.end(), ending) == kCloudEndings.end() ||
         !std::filesystem::exists(file)) {
       throw;

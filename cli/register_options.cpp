@@ -129,10 +129,11 @@ void check(const RegisterOptions& options) {
 
 void add_register_options(CLI::App& command, RegisterOptions& options) {
   command
-      .add_option("FILE", options.file,
-                  "Text, a correspondence a line: source x y z, target x y z, separated by blanks, commas or "
-                  "semicolons; '#' starts a comment. Or .npz with src_corr_points and ref_corr_points. '-' is the "
-                  "standard input. With TARGET: a cloud")
+      .add_option(
+          "FILE", options.file,
+          "Text, a correspondence a line: source x y z, target x y z, separated by blanks, commas or "
+          "semicolons; '#' starts a comment. Or .npy of N x 6, or .npz with src_corr_points and ref_corr_points. "
+          "'-' is the standard input. With TARGET: a cloud")
       ->required();
   command.add_option("TARGET", options.target,
                      fmt::format("Cloud that the first one is matched with and registered to: {}", kCloudForms));

@@ -15,7 +15,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     fuzz::require(cloud.size() <= 1032 * size, "no more points than bytes");
   });
   fuzz::may_refuse([&] {
-    const features::MatchedPoints matches = features::read_npz_matches(file.path());
+    const features::MatchedPoints matches = features::read_array_matches(file.path());
     fuzz::require(matches.source.size() == matches.target.size(), "as many points of both");
   });
   // What names rows of two clouds, here of three points each.

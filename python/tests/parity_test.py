@@ -30,7 +30,7 @@ CPP_ALONE = {
     "features": {"read_cloud", "choose_voxel", "occupied_voxels", "random_subset", "radius_neighbours", "resolution",
                  "estimate_normals", "refine_registration", "parse_refinement_method", "to_string", "moved_ply",
                  "verify_registration", "decide", "is_borne_out", "has_equal_rival", "agrees_better_scaled",
-                 "is_of_another_scale", "read_npz_matches", "read_matched_rows", "read_indexed_matches"},
+                 "is_of_another_scale", "read_array_matches", "read_matched_rows", "read_indexed_matches"},
 }
 # Of Python alone: classes, and bit sets as masks.
 PYTHON_ALONE = {

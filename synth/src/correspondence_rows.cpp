@@ -66,9 +66,17 @@ bool may_be_halves(const NumberTable& table) {
 std::array<std::size_t, 6> columns_of(const NumberTable& table, const fs::path& path) {
   if (is_even(table)) {
     const std::size_t width = table.row(0).size();
-    const NamedColumns named = table.names.size() == width ? columns_by_name(table.names) : NamedColumns{};
+    const auto told_by = [width](const std::vector<std::string>& names) {
+      return names.size() == width ? columns_by_name(names) : NamedColumns{};
+    };
+    const NamedColumns named = told_by(table.names);
     if (named.kind == NamedColumns::Kind::found) return named.columns;
     if (named.kind == NamedColumns::Kind::unclear) refuse_names(table, path);
+    // Names in a comment that do not tell all are prose.
+    if (table.names.empty()) {
+      const NamedColumns commented = told_by(table.comment_names);
+      if (commented.kind == NamedColumns::Kind::found) return commented.columns;
+    }
     if (width == 6) return {0, 1, 2, 3, 4, 5};
     if (width == 7 && has_index(table)) return {1, 2, 3, 4, 5, 6};
   }

@@ -3,10 +3,12 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
+#include <optional>
 #include <stdexcept>
 #include <string>
 #include <string_view>
 #include <system_error>
+#include <utility>
 
 #include <consimd/synth/text_file.hpp>
 
@@ -202,6 +204,23 @@ std::vector<std::string> names_of(std::string_view line) {
   return all && some ? names : std::vector<std::string>();
 }
 
+/// The same of a comment, which may be anything.
+std::vector<std::string> names_in_comment(std::string_view comment) {
+  try {
+    return names_of(trimmed(comment));
+  } catch (const std::invalid_argument&) {
+    return {};
+  }
+}
+
+/// What a trimmed line that begins as comments do has after that.
+std::optional<std::string_view> comment_of(std::string_view line) {
+  for (const std::string_view mark : {"#", "//", "%"}) {
+    if (line.starts_with(mark)) return line.substr(mark.size());
+  }
+  return std::nullopt;
+}
+
 }  // namespace
 
 std::string shown_name(const std::filesystem::path& path) { return path == "-" ? "standard input" : path.string(); }
@@ -214,9 +233,14 @@ NumberTable read_number_table(const std::filesystem::path& path) {
   if (rest.starts_with("\xEF\xBB\xBF")) rest.remove_prefix(3);
   NumberTable table;
   for (std::size_t number = 1; !rest.empty(); ++number) {
-    std::string_view line = take_line(rest);
+    std::string_view line = trimmed(take_line(rest));
+    if (const auto comment = comment_of(line)) {
+      if (table.rows() > 0) continue;
+      if (auto names = names_in_comment(*comment); !names.empty()) table.comment_names = std::move(names);
+      continue;
+    }
     line = trimmed(line.substr(0, line.find('#')));
-    if (line.empty()) continue;
+    if (line.empty() || (number == 1 && line.starts_with("sep="))) continue;
     const std::size_t begin = table.values.size();
     try {
       if (table.rows() == 0 && table.names.empty()) {

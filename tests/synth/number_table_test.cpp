@@ -54,6 +54,19 @@ TEST_F(NumberTableTest, SkipsCommentsEmptyLinesCarriageReturnsAndByteOrderMark) 
   EXPECT_THAT(read("\n"), ElementsAre());
 }
 
+TEST_F(NumberTableTest, SkipsCommentsOfOtherProgramsAndASpreadsheetsSeparator) {
+  EXPECT_THAT(read("% of a script\n1 2 3\n // of another\n4 5 6\n"), ElementsAre(1, 2, 3, 4, 5, 6));
+  EXPECT_THAT(read("sep=;\nx;y;z\n1;2;3\n"), ElementsAre(1, 2, 3));
+  expect_error("1 2 3\nsep=;\n", "2: a semicolon at the end of the line: remove it");
+}
+
+TEST_F(NumberTableTest, KeepsTheNamesOfTheLastCommentThatHasAny) {
+  write_text(path_, "# x y z\n# 4 points\n1 2 3\n# a b c\n4 5 6\n");
+  const NumberTable table = read_number_table(path_);
+  EXPECT_THAT(table.comment_names, ElementsAre("x", "y", "z"));
+  EXPECT_THAT(table.names, ElementsAre());
+}
+
 TEST_F(NumberTableTest, ReadsEveryDouble) {
   EXPECT_THAT(read("0.1 +2.5e+3 -1E-5\n.5 5. 5e-324\n1.7976931348623157e308 -0 0.30000000000000004"),
               ElementsAre(0.1, 2500.0, -1e-5, 0.5, 5.0, 5e-324, std::numeric_limits<double>::max(), -0.0, 0.1 + 0.2));

@@ -197,6 +197,11 @@ TEST_F(ColumnsTest, AreWhatTheirNamesSayInAnyOrder) {
   }
   EXPECT_EQ(read(rows("x1,x2,y1,y2,z1,z2\n", six)), in_turn);
   EXPECT_EQ(read(rows("x2,x1,y2,y1,z2,z1\n", six)), (std::vector<double>{2, 4, 6, 1, 3, 5}));
+  // As NumPy's savetxt writes a header; what does not tell all is prose.
+  EXPECT_EQ(read(rows("# x2 y2 z2 x1 y1 z1\n", six)), swapped);
+  EXPECT_EQ(read(rows("// tx,ty,tz,sx,sy,sz\n", six)), swapped);
+  EXPECT_EQ(read(rows("# x2 y2 z2 x1 y1 z1\nx1,y1,z1,x2,y2,z2\n", six)), in_order);
+  EXPECT_EQ(read(rows("# how far x is from y\n", six)), in_order);
   for (const char* const names : {"x,y,z,nx,ny,nz", "x,y,z,r,g,b", "x,x,y,y,z,z", "x1,y1,x2,y2,x3,y3"}) {
     EXPECT_THAT([&] { (void)read(rows(names + std::string("\n"), six)); },
                 testing::ThrowsMessage<std::exception>(testing::HasSubstr("which do not tell source x y z")))

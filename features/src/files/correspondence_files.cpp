@@ -62,9 +62,11 @@ Correspondences MatchedPoints::correspondences() const {
   return {span(source), span(target)};
 }
 
-MatchedPoints read_npz_matches(const std::filesystem::path& path) {
+MatchedPoints read_array_matches(const std::filesystem::path& path) {
   try {
-    auto [source, target] = detail::read_npz_matches(detail::contents(path));
+    const std::string bytes = detail::contents(path);
+    const bool is_one = bytes.starts_with("\x93NUMPY");
+    auto [source, target] = is_one ? detail::read_npy_matches(bytes) : detail::read_npz_matches(bytes);
     return {std::move(source), std::move(target)};
   } catch (const detail::FileFault& fault) {
     throw detail::named(path, fault);

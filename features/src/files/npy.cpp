@@ -30,16 +30,45 @@ std::array<std::size_t, 2> shape_of(std::string_view header) {
     while (word.starts_with(' ')) word.remove_prefix(1);
     if (!word.empty()) sizes.push_back(parse_count(word, "a size"));
   }
-  if (sizes.size() != 2 || sizes[1] < 3) {
-    throw FileFault("an array that is not N x 3: its shape is (" + shown(value_of(header, "shape").substr(1, end - 1)) +
-                    ")");
-  }
+  const auto fault = [&](const std::string& remedy) {
+    return FileFault("an array that is not N x 3: its shape is (" +
+                     shown(value_of(header, "shape").substr(1, end - 1)) + ")" + remedy);
+  };
+  if (sizes.size() != 2 || sizes[1] < 3) throw fault("");
+  // No cloud has so few points, and few have so many columns.
+  constexpr std::size_t kFewPoints = 6, kManyColumns = 16;
+  if (sizes[0] >= 3 && sizes[0] <= kFewPoints && sizes[1] > kManyColumns) throw fault(": save its transpose");
   return {sizes[0], sizes[1]};
 }
 
-}  // namespace
+/// '<f4', without the quotes, or a list of named fields.
+std::string_view type_of(std::string_view header) {
+  const std::string_view value = value_of(header, "descr");
+  return value.starts_with('\'') ? value.substr(1, value.find('\'', 1) - 1) : value;
+}
 
-Coordinates read_npy(std::string_view bytes) {
+/// An array of points, and what follows its header.
+struct Array {
+  std::size_t count = 0;
+  std::size_t width = 0;
+  NumberType type = NumberType::float64;
+  bool swapped = false;
+  bool fortran = false;
+  std::string_view bytes;
+
+  /// Three columns from `first` on, which the array has.
+  [[nodiscard]] Coordinates points(std::size_t first) const {
+    const std::size_t size = size_of(type);
+    std::array<Column, 3> columns;
+    for (std::size_t c = 0; c < 3; ++c) {
+      columns[c] =
+          fortran ? Column{(first + c) * count * size, size, type} : Column{(first + c) * size, width * size, type};
+    }
+    return read_columns(bytes, columns, count, swapped);
+  }
+};
+
+Array read_array(std::string_view bytes) {
   constexpr std::size_t kMagic = 8;  // magic and version
   const auto byte = [&](std::size_t at) { return std::size_t{static_cast<unsigned char>(bytes[at])}; };
   if (!bytes.starts_with("\x93NUMPY")) throw FileFault("not an array as NumPy writes them");
@@ -54,23 +83,35 @@ Coordinates read_npy(std::string_view bytes) {
   const std::string_view header = bytes.substr(begin, length);
   bytes.remove_prefix(begin + length);
 
-  const std::string_view descr = value_of(header, "descr").substr(0, 5);  // '<f4'
-  const bool narrow = descr.find("f4") != std::string_view::npos;
-  if (!narrow && descr.find("f8") == std::string_view::npos) {
-    throw FileFault("an array of " + shown(descr) + ", expected float32 or float64");
+  const std::string_view descr = type_of(header);
+  const bool is_one_type = descr.size() == 3;
+  const bool narrow = is_one_type && descr.ends_with("f4");
+  if (!narrow && !(is_one_type && descr.ends_with("f8"))) {
+    throw FileFault("an array of '" + shown(descr) + "', expected float32 or float64" +
+                    (descr.starts_with('[') ? ": save one without named fields" : ": save its astype(float)"));
   }
   const auto [count, width] = shape_of(header);
-  const NumberType type = narrow ? NumberType::float32 : NumberType::float64;
-  const std::size_t size = size_of(type);
-  if (width > bytes.size() || count > bytes.size()) {
+  if (count > 0 && (width > bytes.size() || count > bytes.size())) {
     throw FileFault("ends before its " + std::to_string(count) + " points do");
   }
-  const bool fortran = value_of(header, "fortran_order").starts_with("True");
-  std::array<Column, 3> columns;
-  for (std::size_t c = 0; c < 3; ++c) {
-    columns[c] = fortran ? Column{c * count * size, size, type} : Column{c * size, width * size, type};
-  }
-  return read_columns(bytes, columns, count, descr.find('>') != std::string_view::npos);
+  return {.count = count,
+          .width = width,
+          .type = narrow ? NumberType::float32 : NumberType::float64,
+          .swapped = descr.starts_with('>'),
+          .fortran = value_of(header, "fortran_order").starts_with("True"),
+          .bytes = bytes};
+}
+
+}  // namespace
+
+Coordinates read_npy(std::string_view bytes) { return read_array(bytes).points(0); }
+
+std::array<Coordinates, 2> read_npy_matches(std::string_view bytes) {
+  const Array array = read_array(bytes);
+  if (array.width == 6) return {array.points(0), array.points(3)};
+  throw FileFault("an array of " + std::to_string(array.width) +
+                  " columns: a correspondence has 6, source x y z and target x y z, and a cloud needs the TARGET it is "
+                  "registered to");
 }
 
 }  // namespace consimd::features::detail

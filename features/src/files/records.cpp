@@ -4,6 +4,8 @@
 #include <charconv>
 #include <cstring>
 #include <limits>
+#include <optional>
+#include <utility>
 
 namespace consimd::features::detail {
 namespace {
@@ -76,7 +78,18 @@ std::size_t split(std::string_view line, std::size_t last, const Use& use) {
   return count;
 }
 
-std::string_view without_comment(std::string_view line) { return line.substr(0, line.find('#')); }
+/// What a line that begins as comments do has after that.
+std::optional<std::string_view> comment_of(std::string_view line) {
+  while (!line.empty() && is_blank(line.front())) line.remove_prefix(1);
+  for (const std::string_view mark : {"#", "//", "%"}) {
+    if (line.starts_with(mark)) return line.substr(mark.size());
+  }
+  return std::nullopt;
+}
+
+std::string_view without_comment(std::string_view line) {
+  return comment_of(line) ? std::string_view() : line.substr(0, line.find('#'));
+}
 
 bool is_empty(std::string_view line) { return std::all_of(line.begin(), line.end(), is_blank); }
 
@@ -94,23 +107,63 @@ std::string lower(std::string_view word) {
   return text;
 }
 
-/// Where a line of names has x, y and z.
-std::array<std::size_t, 3> named_columns(std::string_view line) {
-  constexpr std::size_t kNone = std::numeric_limits<std::size_t>::max();
-  std::array<std::size_t, 3> columns{kNone, kNone, kNone};
-  split(line, 1000, [&](std::size_t k, std::string_view word) {
-    for (std::size_t axis = 0; axis < 3; ++axis) {
-      std::string name = lower(word);
-      std::erase(name, '"');
-      if (name == std::string(1, "xyz"[axis])) columns[axis] = k;
-    }
-  });
+/// The names of a line, in small letters without quotes and without units in brackets.
+std::vector<std::string> names_of(std::string_view line) {
+  std::string plain;
+  int depth = 0;
+  for (const char c : lower(line)) {
+    if (c == '(' || c == '[') ++depth;
+    if (depth == 0 && c != '"') plain += c;
+    if ((c == ')' || c == ']') && depth > 0) --depth;
+  }
+  std::vector<std::string> names;
+  split(plain, std::numeric_limits<std::size_t>::max() - 1,
+        [&](std::size_t, std::string_view word) { names.emplace_back(word); });
+  return names;
+}
+
+/// Where names have x, y and z.
+std::optional<std::array<std::size_t, 3>> named_columns(const std::vector<std::string>& names) {
+  std::array<std::size_t, 3> columns{};
   for (std::size_t axis = 0; axis < 3; ++axis) {
-    if (columns[axis] == kNone) {
-      throw FileFault("1: neither numbers nor a line of names with x, y and z: '" + shown(line) + "'");
-    }
+    const auto found = std::ranges::find(names, std::string(1, "xyz"[axis]));
+    if (found == names.end()) return std::nullopt;
+    columns[axis] = static_cast<std::size_t>(found - names.begin());
   }
   return columns;
+}
+
+/// Lines before the first point: comments, empty ones, what a spreadsheet separates by (sep=;), how many points follow.
+struct Heading {
+  std::size_t lines = 0;
+  std::vector<std::string> names;  // of the last comment that has x, y and z
+  std::optional<std::size_t> points;
+};
+
+bool is_number(std::string_view word) {
+  try {
+    static_cast<void>(parse_number(word));
+    return true;
+  } catch (const FileFault&) {
+    return false;
+  }
+}
+
+/// Takes one more line into the heading, unless points or names begin there.
+bool take_heading(std::string_view line, Heading& heading) {
+  if (const auto comment = comment_of(line)) {
+    std::vector<std::string> names = names_of(*comment);
+    if (named_columns(names)) heading.names = std::move(names);
+    return true;
+  }
+  line = without_comment(line);
+  if (is_empty(line) || lower(line).starts_with("sep=")) return true;
+  std::size_t value = 0;
+  while (!line.empty() && is_blank(line.back())) line.remove_suffix(1);
+  const auto [rest, error] = std::from_chars(line.data(), line.data() + line.size(), value);
+  if (heading.points || error != std::errc() || rest != line.data() + line.size()) return false;
+  heading.points = value;
+  return true;
 }
 
 }  // namespace
@@ -211,26 +264,44 @@ Coordinates read_number_lines(std::string_view text, const std::array<std::size_
 }
 
 Coordinates read_point_text(std::string_view text) {
-  if (text.starts_with("\xEF\xBB\xBF")) text.remove_prefix(3);
-  std::string_view rest = text;
-  std::size_t before = 0;
-  std::string_view first;
-  while (is_empty(without_comment(first)) && !rest.empty()) {
-    text = rest;
-    first = next_line(rest);
-    ++before;
+  if (text.find('\n') == std::string_view::npos && text.find('\r') != std::string_view::npos) {
+    std::string lines(text);  // as old Macs ended them
+    std::replace(lines.begin(), lines.end(), '\r', '\n');
+    return read_point_text(lines);
   }
+  if (text.starts_with("\xEF\xBB\xBF")) text.remove_prefix(3);
+  Heading heading;
+  std::string_view rest = text;
+  std::string_view line = next_line(rest);
+  for (; !text.empty() && take_heading(line, heading); line = next_line(rest)) {
+    ++heading.lines;
+    text = rest;
+  }
+  std::array<std::size_t, 3> columns{0, 1, 2};
+  std::size_t words = 0;
   bool numbers = true;
-  split(without_comment(first), 2, [&](std::size_t, std::string_view word) {
-    try {
-      static_cast<void>(parse_number(word));
-    } catch (const FileFault&) {
-      numbers = false;
-    }
+  split(without_comment(line), std::numeric_limits<std::size_t>::max() - 1, [&](std::size_t k, std::string_view word) {
+    ++words;
+    numbers = numbers && (k > 2 || is_number(word));
   });
-  constexpr std::size_t kAll = std::numeric_limits<std::size_t>::max();
-  if (numbers) return read_number_lines(text, {0, 1, 2}, kAll, before - (before > 0 ? 1 : 0));
-  return read_number_lines(rest, named_columns(first), kAll, before);
+  // A comment names columns where it has a word for each: prose hardly ever does.
+  const std::vector<std::string> names = numbers ? heading.names : names_of(line);
+  const auto named = named_columns(names);
+  if (!numbers && !named) {
+    throw FileFault(std::to_string(heading.lines + 1) + ": neither numbers nor a line of names with x, y and z: '" +
+                    shown(line) + "'");
+  }
+  if (named && (!numbers || names.size() == words)) columns = *named;
+  if (!numbers) {
+    ++heading.lines;
+    text = rest;
+  }
+  Coordinates points = read_number_lines(text, columns, std::numeric_limits<std::size_t>::max(), heading.lines);
+  if (heading.points && *heading.points != points.size()) {
+    throw FileFault("says that it has " + std::to_string(*heading.points) + " points, but has " +
+                    std::to_string(points.size()));
+  }
+  return points;
 }
 
 Coordinates read_kitti(std::string_view bytes) {

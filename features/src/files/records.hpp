@@ -57,8 +57,10 @@ void require_records(std::string_view bytes, std::size_t count, std::size_t size
 [[nodiscard]] Coordinates read_kitti(std::string_view bytes);
 [[nodiscard]] Coordinates read_point_text(std::string_view text);
 
-/// Matched points of an .npz: the arrays src_corr_points and ref_corr_points, as long as one another.
+/// Matched points of an .npz: the arrays src_corr_points and ref_corr_points, as long as one another; of an .npy: N
+/// x 6.
 [[nodiscard]] std::array<Coordinates, 2> read_npz_matches(std::string_view bytes);
+[[nodiscard]] std::array<Coordinates, 2> read_npy_matches(std::string_view bytes);
 
 /// `count` lines of numbers; columns: which of a line's are x, y and z; lines start after line `before` of the file.
 /// Throws FileFault "LINE: what".

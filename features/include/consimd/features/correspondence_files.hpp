@@ -21,8 +21,9 @@ struct MatchedPoints {
 };
 
 /// Reads matches as learned matchers write them: an .npz, stored or deflated, with src_corr_points and ref_corr_points,
-/// N x 3 each; other arrays, such as corr_scores, are passed over. Throws std::runtime_error "FILE: what".
-[[nodiscard]] MatchedPoints read_npz_matches(const std::filesystem::path& path);
+/// N x 3 each; other arrays, such as corr_scores, are passed over. Or an .npy of N x 6: source x y z and target x y z.
+/// Throws std::runtime_error "FILE: what".
+[[nodiscard]] MatchedPoints read_array_matches(const std::filesystem::path& path);
 
 /// Reads two clouds in any of the forms of `read_cloud` whose rows belong together. Throws std::runtime_error that
 /// names a file, also where they have different numbers of rows.

@@ -1,0 +1,114 @@
+// Points and matches as other programs write them: headings of text, shapes and types of arrays.
+#include <consimd/features/cloud_files.hpp>
+#include <consimd/features/correspondence_files.hpp>
+
+#include <gtest/gtest.h>
+
+#include <array>
+#include <cstring>
+#include <fstream>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "../temporary_folder.hpp"
+
+namespace consimd::test {
+namespace {
+
+class ForeignFiles : public ::testing::Test {
+ protected:
+  std::filesystem::path write(const std::string& name, const std::string& bytes) {
+    std::filesystem::path path = folder_ / name;
+    std::filesystem::remove(path);
+    std::ofstream(path, std::ios::binary) << bytes;
+    return path;
+  }
+  /// The first point and how many there are.
+  std::pair<std::array<double, 3>, std::size_t> read(const std::string& name, const std::string& bytes) {
+    const Cloud cloud = features::read_cloud(write(name, bytes));
+    return {cloud.empty() ? std::array<double, 3>{} : cloud.point(0), cloud.size()};
+  }
+  template <typename Read>
+  std::string fault_of(const Read& read) {
+    try {
+      static_cast<void>(read());
+    } catch (const std::runtime_error& error) {
+      const std::string what = error.what();
+      return what.substr(what.find_last_of('/') + 1);
+    }
+    return "nothing";
+  }
+  std::string fault(const std::string& name, const std::string& bytes) {
+    return fault_of([&] { return features::read_cloud(write(name, bytes)); });
+  }
+
+  TemporaryFolder folder_;
+};
+
+/// An array as NumPy writes it: what the header says of type and shape, and the numbers.
+std::string npy(const std::string& type, const std::string& shape, const std::vector<double>& numbers) {
+  std::string header = "{'descr': " + type + ", 'fortran_order': False, 'shape': " + shape + ", }\n";
+  std::string bytes = "\x93NUMPY";
+  bytes += {'\1', '\0', static_cast<char>(header.size()), '\0'};
+  bytes += header;
+  const std::size_t begin = bytes.size();
+  bytes.resize(begin + numbers.size() * sizeof(double));
+  if (!numbers.empty()) std::memcpy(bytes.data() + begin, numbers.data(), numbers.size() * sizeof(double));
+  return bytes;
+}
+
+const std::vector<double> kSixes{1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12};
+
+TEST_F(ForeignFiles, HeadingsOfTextAreUnderstood) {
+  const std::pair<std::array<double, 3>, std::size_t> two{{1.0, 2.0, 3.0}, 2};
+  for (const char* text : {
+           "//X Y Z\n1 2 3\n4 5 6\n",                    // CloudCompare
+           "% of a script\n1 2 3\n4 5 6\n",              // MATLAB
+           "2\n1 2 3 -1200 9 9 9\n4 5 6 -1300 9 9 9\n",  // a scanner's .pts
+           "sep=;\nX;Y;Z\n1;2;3\n4;5;6\n",               // a spreadsheet
+           "X (m),Y (m),Z (m)\n1,2,3\n4,5,6\n",          // of units
+           "Point,\"Z [m]\",\"Y [m]\",\"X [m]\"\nP1,3,2,1\nP2,6,5,4\n",
+           "# index x y z\n7 1 2 3\n8 4 5 6\n",  // names in a comment, one for each column
+           "# x y z i\n# of the north wall\n1 2 3 9\n4 5 6 9\n",
+           "# the x y z coordinates\n1 2 3\n4 5 6\n",  // prose
+           "1 2 3\r4 5 6\r",                           // of an old Mac
+       }) {
+    EXPECT_EQ(read("t.txt", text), two) << text;
+  }
+}
+
+TEST_F(ForeignFiles, HeadingsThatAreWrongAreTold) {
+  EXPECT_EQ(fault("t.pts", "3\n1 2 3\n4 5 6\n"), "t.pts: says that it has 3 points, but has 2");
+  EXPECT_EQ(fault("t.xyz", "2\nwater\nO 0 0 0\nH 0 0 1\n"),
+            "t.xyz:2: neither numbers nor a line of names with x, y and z: 'water'");
+  EXPECT_EQ(fault("t.xyz", "# made up\n\n1 2 3\n4 five 6\n"), "t.xyz:4: 'five' is not a number");
+  EXPECT_EQ(fault("t.xyz", "2\n2\n1 2 3\n"), "t.xyz:2: expected 3 numbers or more, got 1");
+}
+
+TEST_F(ForeignFiles, ArraysOfOtherShapesAndTypesAreTold) {
+  EXPECT_TRUE(features::read_cloud(write("a.npy", npy("'<f8'", "(0, 3)", {}))).empty());
+  EXPECT_EQ(fault("a.npy", npy("'<f8'", "(3, 50)", std::vector<double>(150))),
+            "a.npy: an array that is not N x 3: its shape is (3, 50): save its transpose");
+  EXPECT_EQ(fault("a.npy", npy("'<i8'", "(4, 3)", kSixes)),
+            "a.npy: an array of '<i8', expected float32 or float64: save its astype(float)");
+  EXPECT_EQ(fault("a.npy", npy("[('x', '<f8'), ('y', '<f8'), ('z', '<f8')]", "(4,)", kSixes)),
+            "a.npy: an array of '[('x', '<f8'), ('y', '<f8'), ('z', '<f8'...', expected float32 or float64: save one "
+            "without named fields");
+  EXPECT_EQ(read("a.npy", npy("'<f8'", "(4, 3)", kSixes)),
+            (std::pair<std::array<double, 3>, std::size_t>{{1.0, 2.0, 3.0}, 4}));
+  // Few points are a cloud, if a small one.
+  EXPECT_EQ(read("a.npy", npy("'<f8'", "(3, 4)", kSixes)).second, 3u);
+}
+
+TEST_F(ForeignFiles, ArraysOfSixColumnsAreMatches) {
+  const features::MatchedPoints matches = features::read_array_matches(write("m.npy", npy("'<f8'", "(2, 6)", kSixes)));
+  EXPECT_EQ(matches.source, (std::vector<std::array<double, 3>>{{1.0, 2.0, 3.0}, {7.0, 8.0, 9.0}}));
+  EXPECT_EQ(matches.target, (std::vector<std::array<double, 3>>{{4.0, 5.0, 6.0}, {10.0, 11.0, 12.0}}));
+  EXPECT_EQ(fault_of([&] { return features::read_array_matches(write("m.npy", npy("'<f8'", "(4, 3)", kSixes))); }),
+            "m.npy: an array of 3 columns: a correspondence has 6, source x y z and target x y z, and a cloud needs "
+            "the TARGET it is registered to");
+}
+
+}  // namespace
+}  // namespace consimd::test
