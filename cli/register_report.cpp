@@ -84,6 +84,7 @@ Json evidence_json(const features::PoseEvidence& evidence) {
                {"rival", nullptr}};
   if (evidence.rival) {
     json["rival"] = {{"share_of_score", evidence.rival->share_of_score},
+                     {"share_of_agreement", evidence.rival->share_of_agreement},
                      {"agreement", evidence.rival->agreement},
                      {"seen_through", evidence.rival->seen_through},
                      {"T_target_source", rows_of(evidence.rival->T_target_source.matrix())}};

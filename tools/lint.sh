@@ -26,6 +26,7 @@ check_rules() {
   reject "ranges that clang before 16 cannot take from libstdc++" \
     'std::ranges::(unique|remove|remove_if|partition|stable_partition|rotate|search|find_end|equal_range|subrange)\b|std::(ranges::)?views::' "${cxx[@]}"
   python3 "$root/tools/check_includes.py" || fail "includes that the layers or rooms forbid"
+  python3 -I "$root/tools/check_using.py" "${cxx[@]}" || fail "names that are brought in for nothing"
 }
 
 check_scripts() {
@@ -62,7 +63,10 @@ tidy_database() {
 
 # The files that build/NAME compiles: compiled_files NAME.
 compiled_files() {
-  sed -nE 's/^ *"file": "(.*)",?$/\1/p' "$root/build/$1/compile_commands.json" | sort -u
+  local files
+  files=$(sed -nE 's/^ *"file": "(.*)",?$/\1/p' "$root/build/$1/compile_commands.json" | sort -u)
+  [[ -n $files ]] || fail "build/$1 compiles no file"
+  printf '%s\n' "$files"
 }
 
 # clang_tidy NAME [ARGUMENT...]: on each of the files read, as build/NAME compiles it. Writes findings to the standard error and the
@@ -75,16 +79,19 @@ clang_tidy() {
 }
 
 # The sources with findings. Most of the time goes into headers, so that eight sources of a target are read at once first (a unity
-# build of CMake), and alone those of which a batch complains: names of unnamed namespaces may meet in it.
+# build of CMake), and alone those of which a batch complains: names of unnamed namespaces may meet in it. What clang-tidy finds in
+# main files alone, check_using.py does.
 sources_with_findings() {
+  local batches batch sources
   tidy_database tidy-batches -DCMAKE_UNITY_BUILD=ON -DCMAKE_UNITY_BUILD_BATCH_SIZE=8
-  compiled_files tidy-batches | clang_tidy tidy-batches --checks=-bugprone-suspicious-include 2>/dev/null |
-    while IFS= read -r file; do
-      case $file in
-        */Unity/*) sed -nE 's/^#include "(.*)"$/\1/p' "$file" ;;
-        *) echo "$file" ;;
-      esac
-    done | sed "\\|^$root/build/|d" | clang_tidy tidy
+  batches=$(compiled_files tidy-batches | clang_tidy tidy-batches --checks=-bugprone-suspicious-include 2>/dev/null) ||
+    fail "clang-tidy cannot be run"
+  for batch in $batches; do
+    sources=$batch
+    if [[ $batch == */Unity/* ]]; then sources=$(sed -nE 's/^#include "(.*)"$/\1/p' "$batch"); fi
+    [[ -n $sources ]] || fail "$batch has findings, but no sources"
+    printf '%s\n' "$sources"
+  done | sed "\\|^$root/build/|d" | clang_tidy tidy
 }
 
 need build lint
@@ -100,7 +107,7 @@ tidy_database tidy
 if (($#)); then
   found=$(printf '%s\n' "$@" | clang_tidy tidy)
 else
-  found=$(sources_with_findings)
+  found=$(sources_with_findings) || fail "clang-tidy cannot be run"
 fi
 [[ -z $found ]] || fail "clang-tidy has findings in:"$'\n'"$found"
 say "lint: nothing found"

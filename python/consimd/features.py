@@ -133,6 +133,8 @@ class RivalPose(NamedTuple):
     """T_target_source, (4, 4)."""
     share_of_score: float
     """Of the pose's score: the samples that agree, each by how rarely it does, less those seen through."""
+    share_of_agreement: float
+    """Of the samples that agree at the pose those that do at the rival, both fitted."""
     agreement: float
     """As in `PoseEvidence`."""
     seen_through: float

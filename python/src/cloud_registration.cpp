@@ -123,8 +123,8 @@ nb::object evidence_fields(const std::optional<features::PoseEvidence>& evidence
   fields["gain_by_scale"] = evidence->scaled.gain;
   fields["rival"] = nb::none();
   if (const auto& rival = evidence->rival) {
-    fields["rival"] =
-        nb::make_tuple(to_array(rival->T_target_source), rival->share_of_score, rival->agreement, rival->seen_through);
+    fields["rival"] = nb::make_tuple(to_array(rival->T_target_source), rival->share_of_score, rival->share_of_agreement,
+                                     rival->agreement, rival->seen_through);
   }
   return fields;
 }

@@ -55,7 +55,7 @@ TEST(RivalPoses, AStreetOfOtherHousesHasNoneThatIsAsGood) {
   }
 }
 
-TEST(RivalPoses, WithoutViewpointsOneNeedsFourFifthsOfTheScore) {
+TEST(RivalPoses, OneAtWhichFewerSurfacesAgreeNeedsFourFifthsOfTheScore) {
   PoseEvidence found{.agreement = 0.5, .samples = 640};
   found.rival = features::RivalPose{.share_of_score = 0.79, .agreement = 0.4};
   EXPECT_FALSE(features::has_equal_rival(found));
@@ -79,14 +79,14 @@ TEST(RivalPoses, WithoutViewpointsOneNeedsFourFifthsOfTheScore) {
 // Of surfaces that displaced poses share, which hardly count, as of a screw that is turned end for end.
 TEST(RivalPoses, OneThatMoreSurfacesAgreeAtNeedsHalfOfTheScore) {
   PoseEvidence found{.agreement = 0.5, .samples = 640};
-  found.rival = features::RivalPose{.share_of_score = 0.5, .agreement = 0.5};
+  found.rival = features::RivalPose{.share_of_score = 0.5, .share_of_agreement = 1.0, .agreement = 0.5};
   EXPECT_TRUE(features::has_equal_rival(found));
   found.rival->share_of_score = 0.49;
   EXPECT_FALSE(features::has_equal_rival(found));
   found.rival->share_of_score = 0.79;
-  found.rival->agreement = 0.49;
+  found.rival->share_of_agreement = 0.99;
   EXPECT_FALSE(features::has_equal_rival(found));
-  found.rival->agreement = 0.6;
+  found.rival->share_of_agreement = 1.2;
   found.displaced_agreement = 0.2;
   found.displaced_seen_through = 0.1;
   found.rival->seen_through = 0.1;
@@ -191,8 +191,8 @@ Points cone(std::uint32_t seed) {
   return points;
 }
 
-// The axis comes from samples, and is missed now and then: of 20 cones 18 have an equal rival.
-TEST(RivalPoses, MostConesHaveOneForEveryTurn) {
+// Where the axis is comes from all points: of the 320 samples alone two of the cones would have no rival.
+TEST(RivalPoses, ConesHaveOneForEveryTurn) {
   int equal = 0;
   for (std::uint32_t seed = 1; seed <= 20; ++seed) {
     const Seen source(cone(seed)), target(cone(seed + 100));
@@ -201,7 +201,7 @@ TEST(RivalPoses, MostConesHaveOneForEveryTurn) {
                                    .evidence(RigidTransform::Identity());
     equal += features::has_equal_rival(found) ? 1 : 0;
   }
-  EXPECT_GE(equal, 14) << equal;
+  EXPECT_EQ(equal, 20);
 }
 
 /// On three balls of other sizes.
@@ -211,7 +211,7 @@ Points three_balls(const Eigen::Vector3d& shift, std::uint32_t seed) {
   const double radii[] = {1.5, 1.0, 0.7};
   Points points;
   while (points.size() < 6000) {
-    const Eigen::Vector3d ray(uniform(random), uniform(random), uniform(random));
+    const Eigen::Vector3d ray{{uniform(random), uniform(random), uniform(random)}};  // in this order
     if (ray.norm() > 1.0) continue;
     const std::size_t ball = random() % 3;
     const Eigen::Vector3d place = shift + centres[ball] + radii[ball] * ray.normalized();

@@ -247,11 +247,13 @@ std::vector<RivalPose> PoseVerifier::Clouds::rivals_of(const RigidTransform& pos
   std::vector<RivalPose> rivals;
   if (of_pose < kLeastScore) return rivals;
   const auto samples = static_cast<double>(looks.samples);
+  const auto agreeing_at_pose = static_cast<double>(looks.agreeing(candidates.size() - 1));
   std::vector<std::size_t> others(candidates.size() - 1);
   std::iota(others.begin(), others.end(), std::size_t{0});
   for (const std::size_t k : highest(scores, std::move(others), candidates.size())) {
     rivals.push_back({.T_target_source = candidates[k],
                       .share_of_score = scores[k] / of_pose,
+                      .share_of_agreement = static_cast<double>(looks.agreeing(k)) / agreeing_at_pose,
                       .agreement = static_cast<double>(looks.agreeing(k)) / samples,
                       .seen_through = static_cast<double>(looks.seen_through[k]) / samples});
   }
@@ -287,7 +289,7 @@ PoseVerifier::PoseVerifier(const VerifiedCloud& source, const VerifiedCloud& tar
   tbb::parallel_invoke([&] { of_source = side_of(source, voxel, seed); },
                        [&] { of_target = side_of(target, voxel, seed); },
                        [&] { coarse.emplace(target.surfaces, voxel, detail::RivalSearch::kCoarse); });
-  detail::SurfaceLayout layout = detail::layout_of(of_target->samples, seed);
+  detail::SurfaceLayout layout = detail::layout_of(of_target->surfaces.surfaces(), of_target->samples, seed);
   clouds_ = std::make_unique<Clouds>(
       Clouds{std::move(*of_source), std::move(*of_target), std::move(*coarse), std::move(layout), voxel, seed});
 }

@@ -14,8 +14,9 @@ namespace consimd::features::detail {
 
 /// Looks for the peaks of the clouds' agreement: a pose is shifted across each direction that large surfaces face, up
 /// to 96 voxels, as it is and turned about it by half a turn, or, about the first one, by quarters; shifted so that it
-/// takes some surface to any other; and turned about each of these directions and the principal axes by any angle.
-/// Displacements that are drawn at random hardly ever hit the one place to which a scene repeats itself.
+/// takes one of four samples to any surface that faces as the sample does; and turned about each of these directions
+/// and the principal axes by any angle. Displacements that are drawn at random hardly ever hit the one place to which a
+/// scene repeats itself.
 class RivalSearch {
  public:
   static constexpr double kCoarse = 2.0;

@@ -55,9 +55,10 @@ std::vector<Eigen::Vector3d> faced_directions(const std::vector<SurfacePoint>& s
 
 }  // namespace
 
-SurfaceLayout layout_of(const std::vector<SurfacePoint>& surfaces, std::uint64_t seed) {
+SurfaceLayout layout_of(std::span<const SurfacePoint> surfaces, const std::vector<SurfacePoint>& samples,
+                        std::uint64_t seed) {
   SurfaceLayout layout;
-  layout.faced = faced_directions(surfaces, seed);
+  layout.faced = faced_directions(samples, seed);
   const auto size = static_cast<double>(surfaces.size());
   for (const SurfacePoint& s : surfaces) layout.centre += vector(s.point) / size;
   for (const SurfacePoint& s : surfaces) {

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include <Eigen/Core>
@@ -23,8 +24,10 @@ struct SurfaceLayout {
   double spread = 0.0;                                ///< root mean square distance of the points from their centre
 };
 
-/// surfaces: samples of them; without any the layout is that of no point. Deterministic in the seed.
-[[nodiscard]] SurfaceLayout layout_of(const std::vector<SurfacePoint>& surfaces, std::uint64_t seed);
+/// surfaces: all of them, whose points tell where the middle and the axes are; samples: some of them, whose normals
+/// tell the directions. Without any the layout is that of no point. Deterministic in the seed.
+[[nodiscard]] SurfaceLayout layout_of(std::span<const SurfacePoint> surfaces, const std::vector<SurfacePoint>& samples,
+                                      std::uint64_t seed);
 
 /// The pose with what it places turned about the line through `centre` along `axis`, a unit vector, by the angle of
 /// this cosine and sine (Rodrigues).

@@ -84,9 +84,10 @@ struct TcfTuning {
   ThreePointTuning three_point;
 };
 
-/// For a search that has found nothing: windows of all rows, their matrix sooner, sets not reduced by a second point,
-/// none dropped for what a sample says of it. The matrix is of 8 MB at most: of 20 000 rows without a pose one of all
-/// takes five times as long, and finds 1 % of inliers at a bound of an eighth of the scene 1 time in 5 more often.
+/// For a search that has found nothing: windows of all rows, their matrix, of 8 MB at most, sooner, sets not reduced by
+/// a second point, none dropped for what a sample says of it. A matrix of all rows took 2.5 to 6 times as long for 20
+/// 000 rows without a pose, and 72 of 73 problems near the limit were found with it, 70 with this one
+/// (docs/performance.md).
 inline TcfTuning with_care(TcfTuning tuning) {
   tuning.window.shown = std::numeric_limits<double>::infinity();
   tuning.window.first = std::numeric_limits<std::size_t>::max();
