@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <span>
 #include <stdexcept>
 #include <string>
 #include <utility>
@@ -62,21 +63,48 @@ bool may_be_halves(const NumberTable& table) {
            "2,3,4,5,6,7");
 }
 
+/// What names tell of rows so wide, which may begin with a name or number of their own, as those of R and pandas do.
+NamedColumns told_by(const std::vector<std::string>& names, std::size_t width) {
+  if (names.size() != width && names.size() + 1 != width) return {};
+  NamedColumns named = columns_by_name(names);
+  if (names.size() == width) return named;
+  for (std::size_t& column : named.columns) ++column;
+  return named;
+}
+
+/// Whether the first row numbers the columns, as pandas does for an array without names: other rows have fractions.
+bool numbers_columns(const NumberTable& table) {
+  const std::span<const double> first = table.row(0);
+  for (std::size_t c = 0; c < first.size(); ++c) {
+    if (first[c] != static_cast<double>(c)) return false;
+  }
+  return first.size() >= 6 &&
+         std::ranges::any_of(table.values, [](double value) { return value != std::floor(value); });
+}
+
+/// The table without its first row.
+NumberTable without_first(NumberTable table) {
+  const std::size_t width = table.ends.front();
+  table.values.erase(table.values.begin(), table.values.begin() + static_cast<std::ptrdiff_t>(width));
+  table.ends.erase(table.ends.begin());
+  for (std::size_t& end : table.ends) end -= width;
+  table.lines.erase(table.lines.begin());
+  table.words.erase(table.words.begin());
+  return table;
+}
+
 /// The columns that the file tells.
 std::array<std::size_t, 6> columns_of(const NumberTable& table, const fs::path& path) {
   if (is_even(table)) {
     const std::size_t width = table.row(0).size();
-    const auto told_by = [width](const std::vector<std::string>& names) {
-      return names.size() == width ? columns_by_name(names) : NamedColumns{};
-    };
-    const NamedColumns named = told_by(table.names);
+    const NamedColumns named = told_by(table.names, width);
     if (named.kind == NamedColumns::Kind::found) return named.columns;
     if (named.kind == NamedColumns::Kind::unclear) refuse_names(table, path);
-    // Names in a comment that do not tell all are prose.
-    if (table.names.empty()) {
-      const NamedColumns commented = told_by(table.comment_names);
-      if (commented.kind == NamedColumns::Kind::found) return commented.columns;
+    if (!table.names.empty() && table.names.size() != width && table.names.size() + 1 != width) {
+      fail(path, std::to_string(table.names.size()) + " names, but " + std::to_string(width) + " numbers a line");
     }
+    const NamedColumns commented = told_by(table.comment_names, width);
+    if (commented.kind == NamedColumns::Kind::found) return commented.columns;
     if (width == 6) return {0, 1, 2, 3, 4, 5};
     if (width == 7 && has_index(table)) return {1, 2, 3, 4, 5, 6};
   }
@@ -108,6 +136,7 @@ CorrespondenceRows read_correspondence_rows(const fs::path& path, std::span<cons
     fail(path, "expected at least 3 correspondences, got " + std::to_string(table.rows()) + ": a pose needs three");
   };
   if (table.rows() == 0) require_three();
+  if (table.names.empty() && numbers_columns(table)) table = without_first(std::move(table));
   const std::array<std::size_t, 6> columns =
       chosen.empty() ? columns_of(table, path) : chosen_columns(table, chosen, path);
   require_three();

@@ -1,6 +1,7 @@
 #include "named_columns.hpp"
 
 #include <algorithm>
+#include <array>
 #include <optional>
 #include <string_view>
 #include <utility>
@@ -12,16 +13,29 @@ constexpr std::string_view kAxes = "xyz";
 constexpr std::size_t kNone = static_cast<std::size_t>(-1);
 
 bool is_digit(char c) { return c >= '0' && c <= '9'; }
-bool is_mark(char c) { return c == '_' || c == '.' || c == ' ' || c == '-'; }
+bool is_mark(char c) { return std::string_view("_. -:/").find(c) != std::string_view::npos; }
+bool is_small(char c) { return c >= 'a' && c <= 'z'; }
+bool is_capital(char c) { return c >= 'A' && c <= 'Z'; }
 
-/// In small letters, without a unit in brackets.
+/// In small letters, without a unit, in brackets or behind "in". A capital axis beside small letters gets a mark, as in
+/// targetX.
 std::string plain(std::string_view name) {
+  const std::string_view bare = name.substr(0, std::min(name.find_first_of("[("), name.find(" in ")));
   std::string text;
-  for (const char c : name.substr(0, name.find_first_of("[("))) {
-    text += c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
+  for (std::size_t k = 0; k < bare.size(); ++k) {
+    const bool is_first = k == 1 && bare.size() > 2 && is_small(bare[1]) && bare[0] >= 'X' && bare[0] <= 'Z';
+    const bool is_last = k > 0 && k + 1 == bare.size() && is_capital(bare[k]) && is_small(bare[k - 1]);
+    if (is_first || is_last) text += '_';
+    text += is_capital(bare[k]) ? static_cast<char>(bare[k] - 'A' + 'a') : bare[k];
   }
   while (!text.empty() && is_mark(text.back())) text.pop_back();
   return text;
+}
+
+/// Whether a name says that it is of the source or the target.
+bool names_a_side(const std::string& name) {
+  return std::ranges::any_of(std::array{"source", "src", "target", "tgt"},
+                             [&](const char* side) { return name.find(side) != std::string::npos; });
 }
 
 struct NamedAxis {
@@ -108,8 +122,11 @@ NamedColumns columns_by_name(const std::vector<std::string>& names) {
     if (cloud == clouds.end()) cloud = clouds.insert(clouds.end(), {named->cloud});
     cloud->columns[named->axis] = column;
   }
-  if (axes.empty()) return {};
   NamedColumns result{.kind = NamedColumns::Kind::unclear};
+  if (axes.empty()) {
+    if (std::ranges::none_of(names, [](const std::string& name) { return names_a_side(plain(name)); })) return {};
+    return result;
+  }
   if (clouds.size() != 2 || !std::ranges::all_of(clouds, &Cloud::is_whole)) return result;
   // Of two clouds without names of their own only the order tells.
   constexpr std::array<std::size_t, 6> kInOrder{0, 1, 2, 0, 1, 2};

@@ -12,6 +12,8 @@
 
 #include <consimd/synth/text_file.hpp>
 
+#include "named_columns.hpp"
+
 namespace consimd::synth {
 namespace {
 
@@ -188,13 +190,43 @@ bool is_name(Word word) {
   return error == std::errc::invalid_argument || rest != end;
 }
 
+/// What separates the names of a line: a semicolon, comma or tab where it has any, so that names may hold blanks.
+char separator_of_names(std::string_view line) {
+  for (const char separator : {';', ',', '\t'}) {
+    if (line.find(separator) != std::string_view::npos) return separator;
+  }
+  return ' ';
+}
+
+/// Calls use(word) for the words of a line of names.
+template <typename Use>
+void for_each_name(std::string_view line, const Use& use) {
+  const char separator = separator_of_names(line);
+  if (separator == ' ') {
+    for_each_word(line, ',', use);
+    return;
+  }
+  if (separator != '\t' && line.ends_with(separator)) {
+    throw std::invalid_argument(std::string("a ") + (separator == ';' ? "semicolon" : "comma") +
+                                " at the end of the line: remove it");
+  }
+  for (bool more = true; more;) {
+    line = trimmed(line);
+    const std::size_t quoted = quoted_length(line, std::string(kBlanks) + separator);
+    const std::size_t end = std::min(line.find(separator, quoted), line.size());
+    use(quoted > 0 ? Word{line.substr(1, quoted - 2), true} : Word{trimmed(line.substr(0, end))});
+    more = end < line.size();
+    line.remove_prefix(more ? end + 1 : end);
+  }
+}
+
 /// The words of a line that names its columns, of which some may be left empty, as that of an index is; none where
 /// another is none.
 std::vector<std::string> names_of(std::string_view line) {
   std::vector<std::string> names;
   bool all = true;
   bool some = false;
-  for_each_word(line, separator_of(line), [&](Word word) {
+  for_each_name(line, [&](Word word) {
     // The unit of the name before it.
     if (!names.empty() && !word.quoted && (word.text.starts_with('[') || word.text.starts_with('('))) return;
     all = all && (word.text.empty() || is_name(word));
@@ -221,6 +253,14 @@ std::optional<std::string_view> comment_of(std::string_view line) {
   return std::nullopt;
 }
 
+/// A line before a '#' that no word holds, as 1.#INF does.
+std::string_view without_comment(std::string_view line) {
+  for (std::size_t at = line.find('#'); at != std::string_view::npos; at = line.find('#', at + 1)) {
+    if (is_blank(line[at - 1]) || line[at - 1] == ',' || line[at - 1] == ';') return trimmed(line.substr(0, at));
+  }
+  return line;
+}
+
 }  // namespace
 
 std::string shown_name(const std::filesystem::path& path) { return path == "-" ? "standard input" : path.string(); }
@@ -236,10 +276,11 @@ NumberTable read_number_table(const std::filesystem::path& path) {
     std::string_view line = trimmed(take_line(rest));
     if (const auto comment = comment_of(line)) {
       if (table.rows() > 0) continue;
-      if (auto names = names_in_comment(*comment); !names.empty()) table.comment_names = std::move(names);
+      std::vector<std::string> names = names_in_comment(*comment);
+      if (columns_by_name(names).kind == NamedColumns::Kind::found) table.comment_names = std::move(names);
       continue;
     }
-    line = trimmed(line.substr(0, line.find('#')));
+    line = without_comment(line);
     if (line.empty() || (number == 1 && line.starts_with("sep="))) continue;
     const std::size_t begin = table.values.size();
     try {

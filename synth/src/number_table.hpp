@@ -11,11 +11,12 @@ namespace consimd::synth {
 
 /// Lines of numbers, as many in each as there are.
 struct NumberTable {
-  std::vector<std::string> names;          ///< of the columns, where the first line has names in place of numbers
-  std::vector<std::string> comment_names;  ///< the same of the last comment before the first row, which may be prose
-  std::vector<double> values;              ///< row after row
-  std::vector<std::size_t> ends;           ///< where each row ends in `values`
-  std::vector<std::size_t> lines;          ///< which line of the file each row is, from 1
+  std::vector<std::string> names;  ///< of the columns, where the first line has names in place of numbers
+  /// The same of the last comment before the first row whose words name source and target x y z.
+  std::vector<std::string> comment_names;
+  std::vector<double> values;      ///< row after row
+  std::vector<std::size_t> ends;   ///< where each row ends in `values`
+  std::vector<std::size_t> lines;  ///< which line of the file each row is, from 1
   /// How many numbers each row would have if a comma between two digits were a decimal one, where it can be: where
   /// blanks separate them.
   std::vector<std::size_t> words;
@@ -34,9 +35,9 @@ struct NumberTable {
 
 /// Reads lines of numbers, separated by blanks or single commas or semicolons, whatever the locale. '#' starts a
 /// comment, as do '//' and '%' at the beginning of a line; empty lines, ends of lines of all systems (LF, CRLF, CR), a
-/// UTF-8 byte-order mark, double quotes around numbers, a spreadsheet's sep=; and a first line of names are allowed.
-/// Throws std::runtime_error "FILE:LINE: what" on anything else: text, NaN or infinity, a decimal comma; "FILE: what"
-/// where the whole file is at fault, as an empty one.
+/// UTF-8 byte-order mark, double quotes around numbers, a spreadsheet's sep=; as the first line and a first line of
+/// names are allowed. Throws std::runtime_error "FILE:LINE: what" on anything else: text, NaN or infinity, a decimal
+/// comma; "FILE: what" where the whole file is at fault, as an empty one.
 [[nodiscard]] NumberTable read_number_table(const std::filesystem::path& path);
 
 /// Whether all rows have as many numbers.

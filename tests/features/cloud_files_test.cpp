@@ -353,7 +353,7 @@ TEST_F(CloudFiles, SayWhatIsWrong) {
   EXPECT_NE(fault("t.xyz", "1 2 3\n4 5\n").find("t.xyz:2: expected 3 numbers or more, got 2"), std::string::npos);
   EXPECT_NE(fault("t.csv", "easting,northing\n1,2\n").find("t.csv:1: neither numbers"), std::string::npos);
   EXPECT_NE(fault("t.xyz", std::string("\0\1\2", 3)).find("not a cloud"), std::string::npos);
-  EXPECT_NE(fault("t.csv", "1,5;2,5;3,5\n").find("t.csv:1: commas and semicolons"), std::string::npos);
+  EXPECT_NE(fault("t.csv", "1,5;2,5;3,5\n").find("t.csv:1: decimal commas"), std::string::npos);
   EXPECT_NE(fault("t.las", std::string("LASF\0\0\0", 7)).find("ends within its header"), std::string::npos);
   std::string laz = las(2);
   laz[104] = static_cast<char>(0x83);

@@ -62,20 +62,44 @@ const std::vector<double> kSixes{1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12};
 
 TEST_F(ForeignFiles, HeadingsOfTextAreUnderstood) {
   const std::pair<std::array<double, 3>, std::size_t> two{{1.0, 2.0, 3.0}, 2};
-  for (const char* text : {
-           "//X Y Z\n1 2 3\n4 5 6\n",                    // CloudCompare
-           "% of a script\n1 2 3\n4 5 6\n",              // MATLAB
-           "2\n1 2 3 -1200 9 9 9\n4 5 6 -1300 9 9 9\n",  // a scanner's .pts
-           "sep=;\nX;Y;Z\n1;2;3\n4;5;6\n",               // a spreadsheet
-           "X (m),Y (m),Z (m)\n1,2,3\n4,5,6\n",          // of units
-           "Point,\"Z [m]\",\"Y [m]\",\"X [m]\"\nP1,3,2,1\nP2,6,5,4\n",
-           "# index x y z\n7 1 2 3\n8 4 5 6\n",  // names in a comment, one for each column
-           "# x y z i\n# of the north wall\n1 2 3 9\n4 5 6 9\n",
-           "# the x y z coordinates\n1 2 3\n4 5 6\n",  // prose
-           "1 2 3\r4 5 6\r",                           // of an old Mac
-       }) {
+  for (
+      const char* text : {
+          "//X Y Z\n1 2 3\n4 5 6\n",                    // CloudCompare
+          "% of a script\n1 2 3\n4 5 6\n",              // MATLAB
+          "2\n1 2 3 -1200 9 9 9\n4 5 6 -1300 9 9 9\n",  // a scanner's .pts
+          "sep=;\nX;Y;Z\n1;2;3\n4;5;6\n",               // a spreadsheet
+          "X (m),Y (m),Z (m)\n1,2,3\n4,5,6\n",          // of units
+          "Point,\"Z [m]\",\"Y [m]\",\"X [m]\"\nP1,3,2,1\nP2,6,5,4\n",
+          "# index x y z\n7 1 2 3\n8 4 5 6\n",  // names in a comment, one for each column
+          "# i x y z\n# of the north wall\n9 1 2 3\n9 4 5 6\n",
+          "# POINT3D_ID, X, Y, Z, R, TRACK[] as (IMAGE_ID, POINT2D_IDX)\n7 1 2 3 255 9 9 9\n8 4 5 6 255 9\n",  // COLMAP
+          "# timestamp tx ty tz qx qy qz qw\n1.5 1 2 3 0 0 0 1\n2.5 4 5 6 0 0 0 1\n",                          // TUM
+          "#Label,X/East,Y/North,Z/Altitude,Yaw\np1,1,2,3,\np2,4,5,6,\n",  // Metashape
+          "Point ID,X,Y,Z,Intensity\n1,1,2,3,5\n2,4,5,6,5\n",
+          "Name;X;Y;Z\nTarget 0;1;2;3\nTarget 1;4;5;6\n",
+          "name\tx\ty\tz\n\t1\t2\t3\nb\t4\t5\t6\n",
+          "x y z\n1 1 2 3\n2 4 5 6\n",  // R, pandas: rows have names, which have none
+          "\"x\" \"y\" \"z\"\n\"a\" 1 2 3\n\"b\" 4 5 6\n",
+          "\"1\",\"2\",\"3\"\n\"4\",\"5\",\"6\"\n",
+          "0,1,2\n1,2,3\n4,5,6.5\n",                  // pandas, of an array
+          "# the x y z coordinates\n1 2 3\n4 5 6\n",  // prose
+          "1 2 3\r4 5 6\r",
+          "# a\r\n1 2 3\r4 5 6\n",
+          "  2\n1 2 3\n4 5 6\n",  // of an old Mac
+      }) {
     EXPECT_EQ(read("t.txt", text), two) << text;
   }
+}
+
+// As surveyors write them, and tables with an index.
+TEST_F(ForeignFiles, NumbersOfRowsAreNoCoordinates) {
+  std::string counted, alone;
+  for (int k = 0; k < 9; ++k) {
+    counted += std::to_string(k + 1) + ",1,2,3,TREE\n";
+    alone += std::to_string(k + 1) + ",1,2\n";
+  }
+  EXPECT_EQ(read("t.csv", counted), (std::pair<std::array<double, 3>, std::size_t>{{1.0, 2.0, 3.0}, 9}));
+  EXPECT_EQ(read("t.csv", alone).second, 9u);
 }
 
 TEST_F(ForeignFiles, HeadingsThatAreWrongAreTold) {
@@ -83,6 +107,11 @@ TEST_F(ForeignFiles, HeadingsThatAreWrongAreTold) {
   EXPECT_EQ(fault("t.xyz", "2\nwater\nO 0 0 0\nH 0 0 1\n"),
             "t.xyz:2: neither numbers nor a line of names with x, y and z: 'water'");
   EXPECT_EQ(fault("t.xyz", "# made up\n\n1 2 3\n4 five 6\n"), "t.xyz:4: 'five' is not a number");
+  EXPECT_EQ(fault("t.xyz", "-16,5740\t-10,5276\t12,0510\n"),
+            "t.xyz:1: decimal commas: write decimal points, as 'tr , . < FILE' does");
+  EXPECT_EQ(fault("t.csv", "1,2,3\n1 016.5,2,3\n"), "t.csv:2: '1 016.5' is not a number");
+  EXPECT_EQ(fault("t.xyz", "1 2 3\n1 2 1.#INF\n"), "t.xyz:2: '1.#INF' is not a number");
+  EXPECT_EQ(fault("t.xyz", "x y z\n1 2\n"), "t.xyz:2: 2 words, but 3 names before");
   EXPECT_EQ(fault("t.xyz", "2\n2\n1 2 3\n"), "t.xyz:2: expected 3 numbers or more, got 1");
 }
 

@@ -60,10 +60,10 @@ TEST_F(NumberTableTest, SkipsCommentsOfOtherProgramsAndASpreadsheetsSeparator) {
   expect_error("1 2 3\nsep=;\n", "2: a semicolon at the end of the line: remove it");
 }
 
-TEST_F(NumberTableTest, KeepsTheNamesOfTheLastCommentThatHasAny) {
-  write_text(path_, "# x y z\n# 4 points\n1 2 3\n# a b c\n4 5 6\n");
+TEST_F(NumberTableTest, KeepsTheNamesOfTheLastCommentThatTellsBothClouds) {
+  write_text(path_, "# tx ty tz sx sy sz\n# made by me\n1 2 3\n# a b c\n4 5 6\n");
   const NumberTable table = read_number_table(path_);
-  EXPECT_THAT(table.comment_names, ElementsAre("x", "y", "z"));
+  EXPECT_THAT(table.comment_names, ElementsAre("tx", "ty", "tz", "sx", "sy", "sz"));
   EXPECT_THAT(table.names, ElementsAre());
 }
 
@@ -122,6 +122,15 @@ TEST_F(NumberTableTest, TellsNamesInQuotesFromNumbers) {
     EXPECT_EQ(table.names.size(), 3u) << text;
     EXPECT_THAT(table.values, ElementsAre(1, 2, 3)) << text;
   }
+}
+
+TEST_F(NumberTableTest, SplitsNamesWhereTheirLineIsSeparated) {
+  for (const char* text : {"Source X,Source Y,Source Z\n1,2,3\n", "Source X;Source Y;Source Z\n1;2;3\n",
+                           "Source X\tSource Y\tSource Z\n1\t2\t3\n"}) {
+    write_text(path_, text);
+    EXPECT_THAT(read_number_table(path_).names, ElementsAre("Source X", "Source Y", "Source Z")) << text;
+  }
+  expect_error("1 2 1.#INF\n", "1: '1.#INF' is not a number");
 }
 
 TEST_F(NumberTableTest, EndsLinesAsAllSystemsDo) {

@@ -186,8 +186,11 @@ TEST_F(ColumnsTest, AreUnderstoodWhereTheyTell) {
 TEST_F(ColumnsTest, AreWhatTheirNamesSayInAnyOrder) {
   const auto six = [](int k) { return point(k); };
   const std::vector<double> in_order{1, 2, 3, 4, 5, 6}, swapped{4, 5, 6, 1, 2, 3}, in_turn{1, 3, 5, 2, 4, 6};
-  for (const char* const names : {"x2,y2,z2,x1,y1,z1", "tx,ty,tz,sx,sy,sz", "X_ref,Y_ref,Z_ref,X,Y,Z",
-                                  "qx,qy,qz,px,py,pz", "x10,y10,z10,x9,y9,z9", "p1_x,p1_y,p1_z,p0_x,p0_y,p0_z"}) {
+  for (const char* const names :
+       {"Target X,Target Y,Target Z,Source X,Source Y,Source Z", "tx in m,ty in m,tz in m,sx in m,sy in m,sz in m",
+        "targetX,targetY,targetZ,sourceX,sourceY,sourceZ", "Xtarget,Ytarget,Ztarget,Xsource,Ysource,Zsource",
+        "target:x,target:y,target:z,source:x,source:y,source:z", "x2,y2,z2,x1,y1,z1", "tx,ty,tz,sx,sy,sz",
+        "X_ref,Y_ref,Z_ref,X,Y,Z", "qx,qy,qz,px,py,pz", "x10,y10,z10,x9,y9,z9", "p1_x,p1_y,p1_z,p0_x,p0_y,p0_z"}) {
     EXPECT_EQ(read(rows(names + std::string("\n"), six)), swapped) << names;
   }
   for (const char* const names :
@@ -199,6 +202,7 @@ TEST_F(ColumnsTest, AreWhatTheirNamesSayInAnyOrder) {
   EXPECT_EQ(read(rows("x2,x1,y2,y1,z2,z1\n", six)), (std::vector<double>{2, 4, 6, 1, 3, 5}));
   // As NumPy's savetxt writes a header; what does not tell all is prose.
   EXPECT_EQ(read(rows("# x2 y2 z2 x1 y1 z1\n", six)), swapped);
+  EXPECT_EQ(read(rows("# x2 y2 z2 x1 y1 z1\n# made by me\nV1,V2,V3,V4,V5,V6\n", six)), swapped);
   EXPECT_EQ(read(rows("// tx,ty,tz,sx,sy,sz\n", six)), swapped);
   EXPECT_EQ(read(rows("# x2 y2 z2 x1 y1 z1\nx1,y1,z1,x2,y2,z2\n", six)), in_order);
   EXPECT_EQ(read(rows("# how far x is from y\n", six)), in_order);
@@ -209,6 +213,17 @@ TEST_F(ColumnsTest, AreWhatTheirNamesSayInAnyOrder) {
   }
 }
 
+// Rows may begin with a number of their own, which the names do not count; columns may be named by numbers.
+TEST_F(ColumnsTest, AreCountedAsRAndPandasDo) {
+  const std::vector<double> swapped{4, 5, 6, 1, 2, 3};
+  const auto indexed = [](int k) { return std::to_string(k + 1) + " " + point(k, " "); };
+  EXPECT_EQ(read(rows("\"tx\" \"ty\" \"tz\" \"sx\" \"sy\" \"sz\"\n", indexed)), swapped);
+  EXPECT_EQ(read(rows("\ttx\tty\ttz\tsx\tsy\tsz\n", [](int k) { return std::to_string(k) + "\t" + point(k, "\t"); })),
+            swapped);
+  EXPECT_EQ(read(rows("0,1,2,3,4,5\n", [](int k) { return point(k) + ".5"; })),
+            (std::vector<double>{1, 2, 3, 4, 5, 6}));
+}
+
 TEST_F(ColumnsTest, AreAskedForWhereTheyDoNot) {
   const auto scored = [](int k) { return "0.5," + point(k); };
   const auto refused = [&](const std::string& text, const std::string& says, std::vector<std::size_t> columns = {}) {
@@ -216,6 +231,9 @@ TEST_F(ColumnsTest, AreAskedForWhereTheyDoNot) {
   };
   refused(rows("", scored), "rows.csv: 7 numbers a line, expected 6: say which");
   refused(rows("x,y,z,nx,ny,nz,w\n", scored), "--columns");
+  refused(rows("target[0],target[1],target[2],source[0],source[1],source[2]\n", [](int k) { return point(k); }),
+          "which do not tell source x y z");
+  refused(rows("tx,ty,tz,sx\n", [](int k) { return point(k); }), "4 names, but 6 numbers a line");
   refused(rows("", scored), "column 8 of 7", {1, 2, 3, 4, 5, 8});
   refused(rows("", scored), "six of them", {1, 2, 3});
   refused(rows("", scored), "six of them", {0, 1, 2, 3, 4, 5});

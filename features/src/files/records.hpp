@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
+#include <optional>
 #include <stdexcept>
 #include <string>
 #include <string_view>
@@ -44,6 +45,9 @@ void require_records(std::string_view bytes, std::size_t count, std::size_t size
 
 /// A whole number. Throws FileFault that says what it is of.
 [[nodiscard]] std::size_t parse_count(std::string_view word, std::string_view of);
+
+/// What a line that begins as comments do, with '#', '//' or '%', has after that.
+[[nodiscard]] std::optional<std::string_view> comment_of(std::string_view line);
 
 /// The words of a line, between blanks, and the line itself taken off the text.
 [[nodiscard]] std::vector<std::string_view> take_line(std::string_view& text);

@@ -1,0 +1,362 @@
+// Points in lines of text, as many programs write them.
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <limits>
+#include <optional>
+#include <utility>
+
+#include "files/records.hpp"
+
+namespace consimd::features::detail {
+namespace {
+
+constexpr std::string_view kBlanks = " \t\v\f\r";
+constexpr std::size_t kAll = std::numeric_limits<std::size_t>::max();
+
+bool is_blank(char c) { return kBlanks.find(c) != std::string_view::npos; }
+
+std::string_view trimmed(std::string_view text) {
+  const std::size_t first = text.find_first_not_of(kBlanks);
+  if (first == std::string_view::npos) return {};
+  return text.substr(first, text.find_last_not_of(kBlanks) - first + 1);
+}
+
+/// NaN, in any spelling, is a number here: a point without a place.
+std::optional<double> number_in(std::string_view word) {
+  if (word.starts_with('+')) word.remove_prefix(1);
+  double value = 0.0;
+  const auto [rest, error] = std::from_chars(word.data(), word.data() + word.size(), value);
+  if (error == std::errc::result_out_of_range) return std::numeric_limits<double>::quiet_NaN();
+  if (error != std::errc() || rest != word.data() + word.size()) return std::nullopt;
+  return value;
+}
+
+double parse_number(std::string_view word) {
+  if (const auto value = number_in(word)) return *value;
+  throw FileFault("'" + shown(word) + "' is not a number");
+}
+
+/// What separates the words of a line: a semicolon or comma where it has any, else a tab where `tabs` says so, else
+/// blanks.
+char separator_of(std::string_view line, bool tabs) {
+  for (const char separator : {';', ','}) {
+    if (line.find(separator) != std::string_view::npos) return separator;
+  }
+  return tabs && line.find('\t') != std::string_view::npos ? '\t' : ' ';
+}
+
+/// The length of a word in quotes at the beginning of a line, these included; 0 where it begins with none.
+std::size_t quoted_length(std::string_view line) {
+  const std::size_t closing = line.starts_with('"') ? line.find('"', 1) : std::string_view::npos;
+  return closing == std::string_view::npos ? 0 : closing + 1;
+}
+
+/// Calls use(k, word) for the words of a line up to number `last`, without blanks or quotes around; returns how many
+/// there were.
+template <typename Use>
+std::size_t split(std::string_view line, char separator, std::size_t last, const Use& use) {
+  std::size_t count = 0;
+  if (separator != '\t') line = trimmed(line);
+  if (line.empty()) return 0;
+  for (bool more = true; more && count <= last; ++count) {
+    const std::size_t begin = separator == '\t' ? 0 : std::min(line.find_first_not_of(kBlanks), line.size());
+    line.remove_prefix(begin);
+    const std::size_t quoted = quoted_length(line);
+    std::size_t end = quoted;
+    while (end < line.size() && (separator == ' ' ? !is_blank(line[end]) : line[end] != separator)) ++end;
+    const std::string_view word = trimmed(line.substr(0, end));
+    use(count, word.size() > 1 && word.size() == quoted ? word.substr(1, quoted - 2) : word);
+    more = end < line.size();
+    line.remove_prefix(more ? end + 1 : end);
+    if (separator == ' ') more = more && line.find_first_not_of(kBlanks) != std::string_view::npos;
+  }
+  return count;
+}
+
+std::string_view next_line(std::string_view& text) {
+  const std::size_t end = text.find('\n');
+  const std::string_view line = text.substr(0, end);
+  text.remove_prefix(end == std::string_view::npos ? text.size() : end + 1);
+  return line;
+}
+
+/// Ends of lines as old Macs wrote them, alone or among others, as line feeds; nothing where there is none.
+std::optional<std::string> with_line_feeds(std::string_view text) {
+  std::optional<std::string> lines;
+  for (std::size_t at = text.find('\r'); at != std::string_view::npos; at = text.find('\r', at + 1)) {
+    if (at + 1 == text.size() || text[at + 1] == '\n') continue;
+    if (!lines) lines = std::string(text);
+    (*lines)[at] = '\n';
+  }
+  return lines;
+}
+
+/// Before a '#' that no word holds, as 1.#INF does.
+std::string_view without_comment(std::string_view line) {
+  if (comment_of(line)) return {};
+  for (std::size_t at = line.find('#'); at != std::string_view::npos; at = line.find('#', at + 1)) {
+    if (is_blank(line[at - 1]) || line[at - 1] == ',' || line[at - 1] == ';') return line.substr(0, at);
+  }
+  return line;
+}
+
+std::string lower(std::string_view word) {
+  std::string text(word);
+  std::ranges::transform(text, text.begin(),
+                         [](char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c; });
+  return text;
+}
+
+/// The names of a line, in small letters, without units in brackets or behind a slash.
+std::vector<std::string> names_of(std::string_view line, char separator) {
+  std::string plain;
+  int depth = 0;
+  for (const char c : lower(line)) {
+    if (c == '(' || c == '[') ++depth;
+    if (depth == 0) plain += c;
+    if ((c == ')' || c == ']') && depth > 0) --depth;
+  }
+  std::vector<std::string> names;
+  split(plain, separator, kAll,
+        [&](std::size_t, std::string_view word) { names.emplace_back(trimmed(word.substr(0, word.find('/')))); });
+  return names;
+}
+
+/// A name without the axis at its end, or at its beginning before a mark; none where it has no such axis.
+std::optional<std::pair<std::size_t, std::string>> axis_and_stem(const std::string& name) {
+  constexpr std::string_view kAxes = "xyz";
+  if (name.empty()) return std::nullopt;
+  if (const std::size_t axis = kAxes.find(name.back()); axis != std::string_view::npos) {
+    return std::pair(axis, name.substr(0, name.size() - 1));
+  }
+  const std::size_t axis = kAxes.find(name.front());
+  if (axis == std::string_view::npos || name.size() < 2 || (name[1] != '_' && name[1] != '.')) return std::nullopt;
+  return std::pair(axis, name.substr(1));
+}
+
+using Columns = std::array<std::size_t, 3>;
+
+/// Where names have x, y and z, or else the one triple like them, as tx ty tz, that is no normal and no quaternion.
+std::optional<Columns> named_columns(const std::vector<std::string>& names) {
+  struct Triple {
+    std::string stem;
+    Columns columns{kAll, kAll, kAll};
+  };
+  std::vector<Triple> triples;
+  for (std::size_t k = 0; k < names.size(); ++k) {
+    const auto named = axis_and_stem(names[k]);
+    if (!named) continue;
+    auto triple = std::ranges::find(triples, named->second, &Triple::stem);
+    if (triple == triples.end()) triple = triples.insert(triples.end(), {named->second, {kAll, kAll, kAll}});
+    if (triple->columns[named->first] == kAll) triple->columns[named->first] = k;
+  }
+  std::erase_if(triples, [](const Triple& triple) {
+    return std::ranges::find(triple.columns, kAll) != triple.columns.end() || triple.stem.starts_with('n') ||
+           triple.stem.starts_with('q');
+  });
+  const auto plain = std::ranges::find(triples, std::string(), &Triple::stem);
+  if (plain != triples.end()) return plain->columns;
+  return triples.size() == 1 ? std::optional(triples.front().columns) : std::nullopt;
+}
+
+/// Names of columns in a comment.
+struct CommentedNames {
+  std::vector<std::string> names;
+  bool is_list = false;  // separated by more than blanks, which prose is not
+};
+
+/// Lines before the first point: comments, empty ones, what a spreadsheet separates by (sep=;), how many points follow.
+struct Heading {
+  std::size_t lines = 0;
+  std::optional<CommentedNames> commented;  // the last names that tell x, y and z
+  std::optional<std::size_t> points;
+};
+
+/// Takes one more line into the heading, unless points or names begin there.
+bool take_heading(std::string_view line, Heading& heading) {
+  if (const auto comment = comment_of(line)) {
+    const char separator = separator_of(*comment, true);
+    std::vector<std::string> names = names_of(*comment, separator);
+    if (named_columns(names)) heading.commented = {std::move(names), separator != ' '};
+    return true;
+  }
+  line = trimmed(line);
+  if (line.empty() || (line.size() == 5 && lower(line).starts_with("sep="))) return true;
+  std::size_t value = 0;
+  const auto [rest, error] = std::from_chars(line.data(), line.data() + line.size(), value);
+  if (heading.points || error != std::errc() || rest != line.data() + line.size()) return false;
+  heading.points = value;
+  return true;
+}
+
+std::vector<std::string_view> words_in(std::string_view line, bool tabs) {
+  std::vector<std::string_view> words;
+  line = without_comment(line);
+  split(line, separator_of(line, tabs), kAll, [&](std::size_t, std::string_view word) { words.push_back(word); });
+  return words;
+}
+
+/// Columns that a line of names tells, held against the words of the first point. A row may begin with a name more.
+Columns told_by(const std::vector<std::string>& names, Columns columns, const std::vector<std::string_view>& words,
+                bool is_list) {
+  if (words.size() == names.size() + 1) {
+    for (std::size_t& column : columns) ++column;
+  } else if (words.size() != names.size() && !is_list) {
+    throw FileFault(std::to_string(words.size()) + " words, but " + std::to_string(names.size()) + " names before");
+  }
+  return columns;
+}
+
+/// Whether a first line numbers the columns, as pandas does for an array without names: other rows have fractions.
+bool numbers_columns(const std::vector<std::string_view>& words, const Coordinates& points) {
+  for (std::size_t k = 0; k < words.size(); ++k) {
+    if (words[k] != std::to_string(k)) return false;
+  }
+  return words.size() >= 3 && std::ranges::any_of(points, [](const auto& point) {
+           return std::ranges::any_of(point, [](double x) { return x != std::floor(x); });
+         });
+}
+
+/// Whether the first numbers count the rows, from 0 or 1. Of a few rows that may be chance.
+bool count_rows(const Coordinates& points) {
+  constexpr std::size_t kFewest = 8;
+  if (points.size() < kFewest || (points[0][0] != 0.0 && points[0][0] != 1.0)) return false;
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    if (points[i][0] != points[0][0] + static_cast<double>(i)) return false;
+  }
+  return true;
+}
+
+/// A number whose point is a comma.
+bool has_decimal_comma(std::string_view word) {
+  const std::size_t comma = word.find(',');
+  if (comma == std::string_view::npos || comma == 0 || comma + 1 == word.size()) return false;
+  std::string plain(word);
+  plain[comma] = '.';
+  return number_in(plain).has_value();
+}
+
+/// Throws where commas are decimal ones: in words between semicolons, or where blanks separate numbers.
+void require_decimal_points(std::string_view line) {
+  if (line.find(',') == std::string_view::npos) return;
+  const bool semicolons = line.find(';') != std::string_view::npos;
+  if (!semicolons && trimmed(line).find_first_of(kBlanks) == std::string_view::npos) return;
+  bool all = true;
+  bool some = false;
+  split(line, semicolons ? ';' : ' ', kAll, [&](std::size_t, std::string_view word) {
+    some = some || has_decimal_comma(word);
+    all = all && (has_decimal_comma(word) || number_in(word));
+  });
+  if (some && (all || semicolons)) throw FileFault("decimal commas: write decimal points, as 'tr , . < FILE' does");
+}
+
+Coordinates lines_of_points(std::string_view text, const Columns& columns, std::size_t count, std::size_t before,
+                            bool tabs) {
+  const std::size_t last = std::ranges::max(columns);
+  Coordinates points;
+  for (std::size_t number = before + 1; !text.empty() && points.size() < count; ++number) {
+    const std::string_view line = without_comment(next_line(text));
+    if (trimmed(line).empty()) continue;
+    try {
+      require_decimal_points(line);
+      std::array<double, 3> point{};
+      const std::size_t words = split(line, separator_of(line, tabs), last, [&](std::size_t k, std::string_view word) {
+        for (std::size_t c = 0; c < 3; ++c) {
+          if (columns[c] == k) point[c] = parse_number(word);
+        }
+      });
+      if (words <= last) {
+        throw FileFault("expected " + std::to_string(last + 1) + " numbers or more, got " + std::to_string(words));
+      }
+      points.push_back(point);
+    } catch (const FileFault& fault) {
+      throw FileFault(std::to_string(number) + ": " + fault.what());
+    }
+  }
+  return points;
+}
+
+}  // namespace
+
+std::optional<std::string_view> comment_of(std::string_view line) {
+  while (!line.empty() && is_blank(line.front())) line.remove_prefix(1);
+  for (const std::string_view mark : {"#", "//", "%"}) {
+    if (line.starts_with(mark)) return line.substr(mark.size());
+  }
+  return std::nullopt;
+}
+
+std::vector<std::string_view> take_line(std::string_view& text) {
+  std::vector<std::string_view> words;
+  split(next_line(text), ' ', kAll, [&](std::size_t, std::string_view word) { words.push_back(word); });
+  return words;
+}
+
+Coordinates read_number_lines(std::string_view text, const std::array<std::size_t, 3>& columns, std::size_t count,
+                              std::size_t before) {
+  return lines_of_points(text, columns, count, before, false);
+}
+
+Coordinates read_point_text(std::string_view text) {
+  if (const auto lines = with_line_feeds(text)) return read_point_text(*lines);
+  if (text.starts_with("\xEF\xBB\xBF")) text.remove_prefix(3);
+  Heading heading;
+  std::string_view rest = text;
+  std::string_view line = next_line(rest);
+  for (; !text.empty() && take_heading(line, heading); line = next_line(rest)) {
+    ++heading.lines;
+    text = rest;
+  }
+  const auto fault = [&](const std::string& what) {
+    return FileFault(std::to_string(heading.lines + 1) + ": " + what);
+  };
+  Columns columns{0, 1, 2};
+  bool tabs = false;
+  bool told = false;
+  std::vector<std::string_view> words = words_in(line, false);
+  const bool numbers = std::ranges::all_of(
+      words.begin(), words.begin() + static_cast<std::ptrdiff_t>(std::min<std::size_t>(words.size(), 3)),
+      [](std::string_view word) { return number_in(word).has_value(); });
+  const std::vector<std::string> names =
+      numbers ? std::vector<std::string>() : names_of(line, separator_of(line, true));
+  const std::optional<Columns> named = named_columns(names);
+  try {
+    require_decimal_points(without_comment(line));
+    if (named) {
+      const char separator = separator_of(line, true);
+      tabs = separator == '\t';
+      std::string_view after = rest;
+      std::string_view first;
+      while (words_in(first, tabs).empty() && !after.empty()) first = next_line(after);
+      words = words_in(first, tabs);
+      ++heading.lines;
+      text = rest;
+      columns = words.empty() ? *named : told_by(names, *named, words, separator != ' ');
+      told = true;
+    } else if (heading.commented) {
+      // A comment names columns where it has a word for each, or is a list: prose hardly ever does.
+      const auto& [commented, is_list] = *heading.commented;
+      const Columns found = *named_columns(commented);
+      told = commented.size() == words.size() || (is_list && std::ranges::max(found) < words.size());
+      if (told) columns = found;
+    }
+  } catch (const FileFault& mismatch) {
+    throw fault(mismatch.what());
+  }
+  if (!numbers && !told) {
+    throw fault("neither numbers nor a line of names with x, y and z: '" + shown(line) + "'");
+  }
+  Coordinates points = lines_of_points(text, columns, kAll, heading.lines, tabs);
+  if (!told && words.size() > 3 && count_rows(points)) {
+    points = lines_of_points(text, {1, 2, 3}, kAll, heading.lines, tabs);
+  }
+  if (!told && numbers_columns(words, points)) points.erase(points.begin());
+  if (heading.points && *heading.points != points.size()) {
+    throw FileFault("says that it has " + std::to_string(*heading.points) + " points, but has " +
+                    std::to_string(points.size()));
+  }
+  return points;
+}
+
+}  // namespace consimd::features::detail
