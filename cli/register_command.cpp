@@ -90,6 +90,7 @@ Correspondences read_rows(const RegisterOptions& options) {
   const std::string& file = options.file;
   const std::string ending = std::filesystem::path(file).extension().string();
   if (!options.pairs.empty() || ending == ".npz" || ending == ".npy") {
+    if (!options.columns.empty()) throw std::invalid_argument("--columns: chooses among the columns of text alone");
     const features::MatchedPoints matches =
         options.pairs.empty() ? features::read_array_matches(file) : read_pairs(options);
     if (matches.source.size() >= 3) return matches.correspondences();

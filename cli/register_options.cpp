@@ -142,11 +142,10 @@ void add_register_options(CLI::App& command, RegisterOptions& options) {
                      "file with a line for "
                      "each match: a row of FILE and one of TARGET, counted from 0");
   command
-      .add_option(
-          "--columns", options.columns,
-          "Of text with other columns: which are source x y z and target x y z, counted from 1, as in "
-          "2,3,4,5,6,7. Not needed where a first line names them (x1, source_x, sx), or rows are numbered before "
-          "them")
+      .add_option("--columns", options.columns,
+                  "Of text with other columns: which are source x y z and target x y z, counted from 1, as in "
+                  "2,3,4,5,6,7. Not needed where a first line or a comment names them (x1, source_x, sx), or rows are "
+                  "numbered before them")
       ->delimiter(',');
   add_cloud_options(command, options.clouds);
   command.add_option("--save-correspondences", options.clouds.save_correspondences,

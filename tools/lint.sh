@@ -47,8 +47,8 @@ tidy_program() {
   "$venv/bin/pip" install --quiet --disable-pip-version-check 'clang-tidy>=23.1,<23.2' || fail "cannot install clang-tidy"
 }
 
-# tidy_database NAME [CMAKE_ARGUMENT...]: what clang-tidy reads, in build/NAME: the release build as it is configured, with the
-# Python module where ./dev python has left nanobind.
+# What clang-tidy reads, in build/tidy: the release build as it is configured, with the Python module where ./dev python has left
+# nanobind.
 tidy_database() {
   local python=$root/build/python-venv/bin/python module=()
   if "$python" -I -c 'import nanobind' 2>/dev/null; then
@@ -56,12 +56,12 @@ tidy_database() {
   else
     say "python/src is left out until ./dev python has run"
   fi
-  (cd "$root" && cmake --preset release -B "build/$1" -DCMAKE_DISABLE_PRECOMPILE_HEADERS=ON "${module[@]}" "${@:2}" >/dev/null) ||
-    fail "cannot configure build/$1"
-  sed -i 's/ -fno-gnu-unique//' "$root/build/$1/compile_commands.json"  # which clang does not know
+  (cd "$root" && cmake --preset release -B build/tidy -DCMAKE_DISABLE_PRECOMPILE_HEADERS=ON "${module[@]}" >/dev/null) ||
+    fail "cannot configure build/tidy"
+  sed -i 's/ -fno-gnu-unique//' "$root/build/tidy/compile_commands.json"  # which clang does not know
 }
 
-# The files that build/NAME compiles: compiled_files NAME.
+# The files of build/NAME/compile_commands.json: compiled_files NAME.
 compiled_files() {
   local files
   files=$(sed -nE 's/^ *"file": "(.*)",?$/\1/p' "$root/build/$1/compile_commands.json" | sort -u)
@@ -78,20 +78,20 @@ clang_tidy() {
     _ "$root/build" "$1" '{}' "${@:2}"
 }
 
-# The sources with findings. Most of the time goes into headers, so that eight sources of a target are read at once first (a unity
-# build of CMake), and alone those of which a batch complains: names of unnamed namespaces may meet in it. What clang-tidy finds in
-# main files alone, check_using.py does.
+# The sources with findings. Most of the time goes into headers, so that up to eight sources are read at once first, and alone
+# those of which a batch complains. What clang-tidy finds in main files alone, check_using.py does; vectors that could reserve
+# are reported in some batches of sources that are clean alone.
 sources_with_findings() {
   local batches batch sources
-  tidy_database tidy-batches -DCMAKE_UNITY_BUILD=ON -DCMAKE_UNITY_BUILD_BATCH_SIZE=8
-  batches=$(compiled_files tidy-batches | clang_tidy tidy-batches --checks=-bugprone-suspicious-include 2>/dev/null) ||
+  python3 -I "$root/tools/tidy_batches.py" "$root/build/tidy" "$root/build/tidy-batches" || fail "sources cannot be put together"
+  batches=$(compiled_files tidy-batches |
+    clang_tidy tidy-batches --checks=-bugprone-suspicious-include,-performance-inefficient-vector-operation 2>/dev/null) ||
     fail "clang-tidy cannot be run"
   for batch in $batches; do
-    sources=$batch
-    if [[ $batch == */Unity/* ]]; then sources=$(sed -nE 's/^#include "(.*)"$/\1/p' "$batch"); fi
+    sources=$(sed -nE 's/^#include "(.*)"$/\1/p' "$batch")
     [[ -n $sources ]] || fail "$batch has findings, but no sources"
     printf '%s\n' "$sources"
-  done | sed "\\|^$root/build/|d" | clang_tidy tidy
+  done | clang_tidy tidy
 }
 
 need build lint
@@ -103,7 +103,7 @@ check_scripts
 check_prose || fail "the pages have faults"
 say "running clang-tidy"
 tidy_program
-tidy_database tidy
+tidy_database
 if (($#)); then
   found=$(printf '%s\n' "$@" | clang_tidy tidy)
 else

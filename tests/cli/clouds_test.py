@@ -70,6 +70,7 @@ class Clouds(CommandTest):
                 archive.writestr("corr_scores.npy", npy([[1.0]]))
                 for array, values in arrays.items():
                     archive.writestr(array, npy(values))
+        self.write("six.npy", npy(rows))
         self.write("pose.txt", "1 2 3\n0 -1 0 5\n1 0 0 3\n0 0 1 0\n0 0 0 1\n")
 
         def runs(*arguments):
@@ -86,6 +87,7 @@ class Clouds(CommandTest):
             ["a.csv", "reversed.xyz", "--pairs", "pairs.txt"],
             ["stored.npz"],
             ["deflated.npz"],
+            ["six.npy"],
         ):
             self.assertEqual(runs(*arguments), expected, arguments)
         damaged = bytearray((self.folder / "deflated.npz").read_bytes())
@@ -103,6 +105,7 @@ class Clouds(CommandTest):
             (["a.csv", "b.xyz", "--pairs", "rows", "--voxel", 1], "that are matched here"),
             (["six.txt", "--pairs", "rows"], "--pairs: needs two clouds"),
             (["a.csv", "b.xyz", "--columns", "1,2,3,4,5,6"], "--columns: is of a file"),
+            (["six.npy", "--columns", "4,5,6,1,2,3"], "--columns: chooses among the columns of text"),
             (["six.txt", "--columns", "1,2,3"], "--columns: expected six columns"),
             (["six.txt", "--columns", "1,2,3,4,5,7"], "column 7 of 6"),
         ):

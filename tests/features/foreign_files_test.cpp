@@ -118,7 +118,7 @@ TEST_F(ForeignFiles, HeadingsThatAreWrongAreTold) {
 TEST_F(ForeignFiles, ArraysOfOtherShapesAndTypesAreTold) {
   EXPECT_TRUE(features::read_cloud(write("a.npy", npy("'<f8'", "(0, 3)", {}))).empty());
   EXPECT_EQ(fault("a.npy", npy("'<f8'", "(3, 50)", std::vector<double>(150))),
-            "a.npy: an array that is not N x 3: its shape is (3, 50): save its transpose");
+            "a.npy: an array that is not N x 3 or, of matches, N x 6: its shape is (3, 50): save its transpose");
   EXPECT_EQ(fault("a.npy", npy("'<i8'", "(4, 3)", kSixes)),
             "a.npy: an array of '<i8', expected float32 or float64: save its astype(float)");
   EXPECT_EQ(fault("a.npy", npy("[('x', '<f8'), ('y', '<f8'), ('z', '<f8')]", "(4,)", kSixes)),
@@ -137,6 +137,25 @@ TEST_F(ForeignFiles, ArraysOfSixColumnsAreMatches) {
   EXPECT_EQ(fault_of([&] { return features::read_array_matches(write("m.npy", npy("'<f8'", "(4, 3)", kSixes))); }),
             "m.npy: an array of 3 columns: a correspondence has 6, source x y z and target x y z, and a cloud needs "
             "the TARGET it is registered to");
+}
+
+TEST_F(ForeignFiles, PairsOfRowsAreWhatTheirHeadingSays) {
+  const auto a = write("a.xyz", "0 0 0\n1 1 1\n2 2 2\n"), b = write("b.xyz", "5 5 5\n6 6 6\n");
+  const auto read = [&](const std::string& text) {
+    const features::MatchedPoints matches = features::read_indexed_matches(a, b, write("pairs.txt", text));
+    return std::pair(matches.source.at(0)[0], matches.target.at(0)[0]);
+  };
+  const std::pair two_one(2.0, 6.0);
+  for (const char* text : {"2 1\n0 0\n", "2,1,0.7\n", "# made up\n\n2.0 1.0\n", "2e0;1e0\n", "source,target\n2,1\n",
+                           "target_row,source_row\n1,2\n", "# target source\n1 2\n", "idx src tgt\n9 2 1\n",
+                           "\xEF\xBB\xBF% a comment\n// another\n2\t1\n"}) {
+    EXPECT_EQ(read(text), two_one) << text;
+  }
+  const auto wrong = [&](const std::string& text) { return fault_of([&] { return read(text); }); };
+  EXPECT_EQ(wrong("2 2\n"), "pairs.txt:1: row 2 of the target, which has 2, counted from 0");
+  EXPECT_EQ(wrong("# none\n"), "pairs.txt: holds no pairs");
+  EXPECT_EQ(wrong("1 0\n1.5 0\n"), "pairs.txt:2: '1.5' is no row of the source, a whole number from 0 on");
+  EXPECT_EQ(wrong("1\n"), "pairs.txt:1: expected a row of the source and one of the target");
 }
 
 }  // namespace

@@ -234,7 +234,7 @@ TEST_F(CloudVerdict, TakesARightPoseThatHadTooFewCorrespondences) {
   {
     Registration result;
     result.noise_bound = 0.2;
-    result.refused = RunnerUp{right_, 4, -2.5};
+    result.refused = RunnerUp{right_, 4, -3.5};
     features::decide(verifier_, correspondences_, result);
     expect_the_right_pose(result);
     EXPECT_GT(result.inliers.size(), correspondences_.size() / 2);

@@ -1,12 +1,17 @@
 #include <consimd/features/correspondence_files.hpp>
 
+#include <algorithm>
+#include <array>
 #include <charconv>
+#include <cmath>
 #include <cstddef>
+#include <optional>
 #include <stdexcept>
 #include <string>
 #include <string_view>
 #include <system_error>
 #include <utility>
+#include <vector>
 
 #include "files/records.hpp"
 
@@ -21,36 +26,32 @@ detail::Coordinates rows_of(const std::filesystem::path& path) {
   }
 }
 
-/// The words of a line between blanks and commas, without its comment.
-std::vector<std::string> words_of(std::string_view& text) {
-  std::vector<std::string> words(1);
-  bool comment = false;
-  while (!text.empty()) {
-    const char c = text.front();
-    text.remove_prefix(1);
-    if (c == '\n') break;
-    comment = comment || c == '#';
-    if (comment) continue;
-    if (c == ' ' || c == '\t' || c == '\r' || c == ',' || c == ';') {
-      if (!words.back().empty()) words.emplace_back();
-    } else {
-      words.back() += c;
-    }
+std::size_t row_number(std::string_view word, std::size_t rows, const char* side) {
+  double value = -1.0;  // 39.0 and 3.9e1 are rows, as NumPy's savetxt writes them
+  const auto [rest, error] = std::from_chars(word.data(), word.data() + word.size(), value);
+  if (error != std::errc() || rest != word.data() + word.size() || !(value >= 0.0) || value != std::floor(value)) {
+    throw detail::FileFault("'" + detail::shown(word) + "' is no row of the " + side + ", a whole number from 0 on");
   }
-  if (words.back().empty()) words.pop_back();
-  return words;
+  if (value >= static_cast<double>(rows)) {
+    throw detail::FileFault("row " + detail::shown(word) + " of the " + side + ", which has " + std::to_string(rows) +
+                            ", counted from 0");
+  }
+  return static_cast<std::size_t>(value);
 }
 
-std::size_t row_number(const std::string& word, std::size_t rows, const char* side) {
-  std::size_t row = 0;
-  const auto [rest, error] = std::from_chars(word.data(), word.data() + word.size(), row);
-  if (error != std::errc() || rest != word.data() + word.size()) {
-    throw detail::FileFault("'" + detail::shown(word) + "' is no row of the " + side + ", a number from 0 on");
+/// Where the words of a heading have source and target.
+std::optional<std::array<std::size_t, 2>> named_sides(const std::vector<std::string_view>& words) {
+  constexpr std::array<std::array<std::string_view, 3>, 2> kNames{
+      {{"source", "src", "moving"}, {"target", "tgt", "ref"}}};
+  std::array<std::optional<std::size_t>, 2> found;
+  for (std::size_t k = 0; k < words.size(); ++k) {
+    for (std::size_t side = 0; side < 2; ++side) {
+      const auto begins = [&](std::string_view name) { return words[k].starts_with(name); };
+      if (!found[side] && std::ranges::any_of(kNames[side], begins)) found[side] = k;
+    }
   }
-  if (row >= rows) {
-    throw detail::FileFault("row " + std::to_string(row) + " of the " + side + ", which has " + std::to_string(rows));
-  }
-  return row;
+  if (!found[0] || !found[1]) return std::nullopt;
+  return std::array{*found[0], *found[1]};
 }
 
 }  // namespace
@@ -75,6 +76,7 @@ MatchedPoints read_array_matches(const std::filesystem::path& path) {
 
 MatchedPoints read_matched_rows(const std::filesystem::path& source, const std::filesystem::path& target) {
   MatchedPoints matches{rows_of(source), rows_of(target)};
+  if (matches.source.empty()) throw std::runtime_error(source.string() + ": holds no points");
   if (matches.source.size() == matches.target.size()) return matches;
   throw std::runtime_error(target.string() + ": " + std::to_string(matches.target.size()) + " rows, expected " +
                            std::to_string(matches.source.size()) + " as in " + source.string());
@@ -85,18 +87,44 @@ MatchedPoints read_indexed_matches(const std::filesystem::path& source, const st
   const detail::Coordinates from = rows_of(source), to = rows_of(target);
   const std::string bytes = detail::contents(pairs);
   std::string_view text = bytes;
+  if (text.starts_with("\xEF\xBB\xBF")) text.remove_prefix(3);
   MatchedPoints matches;
+  std::array<std::size_t, 2> columns{0, 1};
+  std::optional<std::array<std::size_t, 2>> commented;
+  std::size_t names_before = 0;
+  bool is_first = true;
   for (std::size_t line = 1; !text.empty(); ++line) {
-    const std::vector<std::string> words = words_of(text);
+    std::string_view rest = text;
+    const std::optional<std::string_view> comment = detail::comment_of(text.substr(0, text.find('\n')));
+    std::vector<std::string_view> words = detail::take_words(rest);
+    text = rest;
+    if (comment) {
+      std::string_view whole = *comment;
+      words = detail::take_words(whole);
+      if (const auto sides = named_sides(words); sides && is_first) {
+        commented = sides;
+        names_before = words.size();
+      }
+      continue;
+    }
     if (words.empty()) continue;
     try {
       if (words.size() < 2) throw detail::FileFault("expected a row of the source and one of the target");
-      matches.source.push_back(from[row_number(words[0], from.size(), "source")]);
-      matches.target.push_back(to[row_number(words[1], to.size(), "target")]);
+      if (std::exchange(is_first, false)) {
+        if (const auto sides = named_sides(words)) {
+          columns = *sides;
+          continue;
+        }
+        if (commented && names_before == words.size()) columns = *commented;
+      }
+      if (std::max(columns[0], columns[1]) >= words.size()) throw detail::FileFault("fewer words than names before");
+      matches.source.push_back(from[row_number(words[columns[0]], from.size(), "source")]);
+      matches.target.push_back(to[row_number(words[columns[1]], to.size(), "target")]);
     } catch (const detail::FileFault& fault) {
       throw std::runtime_error(pairs.string() + ":" + std::to_string(line) + ": " + fault.what());
     }
   }
+  if (matches.source.empty()) throw std::runtime_error(pairs.string() + ": holds no pairs");
   return matches;
 }
 

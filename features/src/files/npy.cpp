@@ -31,13 +31,14 @@ std::array<std::size_t, 2> shape_of(std::string_view header) {
     if (!word.empty()) sizes.push_back(parse_count(word, "a size"));
   }
   const auto fault = [&](const std::string& remedy) {
-    return FileFault("an array that is not N x 3: its shape is (" +
+    return FileFault("an array that is not N x 3 or, of matches, N x 6: its shape is (" +
                      shown(value_of(header, "shape").substr(1, end - 1)) + ")" + remedy);
   };
   if (sizes.size() != 2 || sizes[1] < 3) throw fault("");
-  // No cloud has so few points, and few have so many columns.
-  constexpr std::size_t kFewPoints = 6, kManyColumns = 16;
-  if (sizes[0] >= 3 && sizes[0] <= kFewPoints && sizes[1] > kManyColumns) throw fault(": save its transpose");
+  // Points of x y z, a colour and a normal have nine numbers, and of six points no pose is registered: they lie in
+  // columns.
+  constexpr std::size_t kFewPoints = 6, kManyColumns = 9;
+  if (sizes[0] >= 2 && sizes[0] <= kFewPoints && sizes[1] > kManyColumns) throw fault(": save its transpose");
   return {sizes[0], sizes[1]};
 }
 

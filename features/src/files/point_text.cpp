@@ -293,6 +293,8 @@ std::vector<std::string_view> take_line(std::string_view& text) {
   return words;
 }
 
+std::vector<std::string_view> take_words(std::string_view& text) { return words_in(next_line(text), true); }
+
 Coordinates read_number_lines(std::string_view text, const std::array<std::size_t, 3>& columns, std::size_t count,
                               std::size_t before) {
   return lines_of_points(text, columns, count, before, false);

@@ -73,13 +73,14 @@ Preset samples(std::string name, const std::string& in_words, std::uint64_t coun
 std::vector<Solver> table() {
   const std::string linear = "linear", no_search = "no search to stop";
   std::vector<Solver> all;
-  all.push_back(entry("tcf",
-                      {.description = "two-stage consensus filtering with pruning, re-selection over all "
-                                      "correspondences and a posterior-weighted fit",
-                       .memory = "linear; a matrix of 3072 rows (1.2 MB), all rows only when nothing was found",
-                       .stops_early = "yes",
-                       .advice = "always first"},
-                      detail::tcf_options(), register_tcf));
+  all.push_back(entry(
+      "tcf",
+      {.description = "two-stage consensus filtering with pruning, re-selection over all "
+                      "correspondences and a posterior-weighted fit",
+       .memory = "linear; a matrix of 3072 rows (1.2 MB), all rows, or a matrix of 8192, only when nothing was found",
+       .stops_early = "yes",
+       .advice = "always first"},
+      detail::tcf_options(), register_tcf));
   all.push_back(entry("tcf-published",
                       {.description = "two-stage consensus filtering, algorithms 1 to 4 of the paper to the letter",
                        .needs = "clouds hardly rotated",

@@ -16,12 +16,16 @@ namespace CONSIMD_EXPORT features {
 /// its ending:
 ///   PLY      ascii, binary of both byte orders
 ///   PCD      ascii, binary, binary_compressed
-///   NPY      N x 3 or more columns of float32 or float64, C or Fortran order, of both byte orders
+///   NPY      N x 3 or more columns of float32 or float64, C or Fortran order, of both byte orders; up to six rows of
+///            more than nine numbers are taken for a transpose, an error
 ///   NPZ      the same, stored or deflated: the array points, xyz or pcd, or the only one
 ///   LAS      versions 1.0 to 1.4; not LAZ
 ///   .bin     KITTI's: float32 x, y, z, reflectance
-///   text     a point a line: x y z and what else, separated by blanks, commas or semicolons; '#' starts a comment, a
-///            first line of names tells where x, y and z are
+///   text     a point a line: x y z and what else, separated by blanks, or by commas or semicolons where a line has
+///   any;
+///            '#' starts a comment, as do '//' and '%' at the beginning of a line; a first line of names, or a comment
+///            with a name for each column, tells where x, y and z are; numbers of rows in the first column are passed
+///            over, as is a first line with how many points follow, which has to be true
 /// `missing`: see Cloud. "-" reads the standard input. Throws std::runtime_error "FILE: what" (of text "FILE:LINE:
 /// what") on a file that cannot be read or is damaged: a header that promises more than there is reserves no memory.
 [[nodiscard]] Cloud read_cloud(const std::filesystem::path& path, std::optional<double> missing = std::nullopt);

@@ -1,9 +1,9 @@
 // Problems as text files: written for `consimd register` and any script, and read.
 //
 // A file of numbers has rows of them, separated by blanks or single commas or semicolons, whatever the locale. '#'
-// starts a comment; empty lines, ends of lines of all systems (LF, CRLF, CR), double quotes around numbers and a UTF-8
-// byte-order mark are allowed. Anything else (text, NaN, infinity, decimal commas, UTF-16) is a std::runtime_error
-// "FILE:LINE: what". The file "-" is the standard input.
+// starts a comment, as do '//' and '%' at the beginning of a line; empty lines, ends of lines of all systems (LF, CRLF,
+// CR), double quotes around numbers and a UTF-8 byte-order mark are allowed. Anything else (text, NaN, infinity,
+// decimal commas, UTF-16) is a std::runtime_error "FILE:LINE: what". The file "-" is the standard input.
 #pragma once
 
 #include <cstddef>
