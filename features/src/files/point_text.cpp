@@ -237,18 +237,17 @@ bool has_decimal_comma(std::string_view word) {
   return number_in(plain).has_value();
 }
 
-/// Throws where commas are decimal ones: in words between semicolons, or where blanks separate numbers.
-void require_decimal_points(std::string_view line) {
-  if (line.find(',') == std::string_view::npos) return;
+/// What a line's commas make of it where they are decimal ones, in words between semicolons or where blanks separate
+/// numbers; else what it was told.
+std::string told_of(std::string_view line, const std::string& what) {
   const bool semicolons = line.find(';') != std::string_view::npos;
-  if (!semicolons && trimmed(line).find_first_of(kBlanks) == std::string_view::npos) return;
   bool all = true;
   bool some = false;
   split(line, semicolons ? ';' : ' ', kAll, [&](std::size_t, std::string_view word) {
     some = some || has_decimal_comma(word);
     all = all && (has_decimal_comma(word) || number_in(word));
   });
-  if (some && (all || semicolons)) throw FileFault("decimal commas: write decimal points, as 'tr , . < FILE' does");
+  return some && (all || semicolons) ? "decimal commas: write decimal points, as 'tr , . < FILE' does" : what;
 }
 
 Coordinates lines_of_points(std::string_view text, const Columns& columns, std::size_t count, std::size_t before,
@@ -259,7 +258,6 @@ Coordinates lines_of_points(std::string_view text, const Columns& columns, std::
     const std::string_view line = without_comment(next_line(text));
     if (trimmed(line).empty()) continue;
     try {
-      require_decimal_points(line);
       std::array<double, 3> point{};
       const std::size_t words = split(line, separator_of(line, tabs), last, [&](std::size_t k, std::string_view word) {
         for (std::size_t c = 0; c < 3; ++c) {
@@ -271,7 +269,7 @@ Coordinates lines_of_points(std::string_view text, const Columns& columns, std::
       }
       points.push_back(point);
     } catch (const FileFault& fault) {
-      throw FileFault(std::to_string(number) + ": " + fault.what());
+      throw FileFault(std::to_string(number) + ": " + told_of(line, fault.what()));
     }
   }
   return points;
@@ -324,7 +322,6 @@ Coordinates read_point_text(std::string_view text) {
       numbers ? std::vector<std::string>() : names_of(line, separator_of(line, true));
   const std::optional<Columns> named = named_columns(names);
   try {
-    require_decimal_points(without_comment(line));
     if (named) {
       const char separator = separator_of(line, true);
       tabs = separator == '\t';
@@ -347,7 +344,8 @@ Coordinates read_point_text(std::string_view text) {
     throw fault(mismatch.what());
   }
   if (!numbers && !told) {
-    throw fault("neither numbers nor a line of names with x, y and z: '" + shown(line) + "'");
+    throw fault(
+        told_of(without_comment(line), "neither numbers nor a line of names with x, y and z: '" + shown(line) + "'"));
   }
   Coordinates points = lines_of_points(text, columns, kAll, heading.lines, tabs);
   if (!told && words.size() > 3 && count_rows(points)) {
