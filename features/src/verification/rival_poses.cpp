@@ -25,9 +25,9 @@ constexpr int kMostTurns = 512;
 constexpr double kLeastShare = 0.4;
 constexpr std::size_t kFew = 5;
 constexpr std::size_t kSome = 16;
-// Samples that are each shifted to surfaces of the target, and how many of these at most, at even distances. Of 16 pairs
-// of like objects each alone in a scan one sample is enough in all; some may lie on what stands beside. All this takes
-// 1.08 times the time of a verification.
+// Samples that are each shifted to surfaces of the target, and how many of these at most, at even distances. Of 16
+// pairs of like objects each alone in a scan one sample is enough in all; some may lie on what stands beside. All this
+// takes 1.08 times the time of a verification.
 constexpr std::size_t kShiftedSamples = 4;
 constexpr std::size_t kLikeSurfaces = 4096;
 constexpr std::size_t kOfEachFamily = 3;
