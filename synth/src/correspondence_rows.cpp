@@ -20,16 +20,20 @@ namespace fs = std::filesystem;
   throw std::runtime_error(shown_name(path) + ": " + what);
 }
 
-/// Whether the first number of each row counts the rows, from 0 or 1. Of a few rows that may be chance.
-bool has_index(const NumberTable& table) {
-  constexpr std::size_t kFewest = 8;
-  if (table.rows() < kFewest) return false;
+/// Whether the first number of each row counts the rows, from 0 or 1.
+bool counts_rows(const NumberTable& table) {
   const double first = table.row(0)[0];
   if (first != 0.0 && first != 1.0) return false;
   for (std::size_t k = 0; k < table.rows(); ++k) {
     if (table.row(k)[0] != first + static_cast<double>(k)) return false;
   }
   return true;
+}
+
+/// The same of so many rows that it is no chance.
+bool has_index(const NumberTable& table) {
+  constexpr std::size_t kFewest = 8;
+  return table.rows() >= kFewest && counts_rows(table);
 }
 
 /// Whether commas that are decimal ones may have made two numbers of each.
@@ -63,11 +67,13 @@ bool may_be_halves(const NumberTable& table) {
            "2,3,4,5,6,7");
 }
 
-/// What names tell of rows so wide, which may begin with a name or number of their own, as those of R and pandas do.
-NamedColumns told_by(const std::vector<std::string>& names, std::size_t width) {
+/// What names tell of the columns. Rows may have a number more: before the others one that counts the rows, as R and
+/// pandas write them, or behind them.
+NamedColumns told_by(const std::vector<std::string>& names, const NumberTable& table) {
+  const std::size_t width = table.row(0).size();
   if (names.size() != width && names.size() + 1 != width) return {};
   NamedColumns named = columns_by_name(names);
-  if (names.size() == width) return named;
+  if (names.size() == width || !counts_rows(table)) return named;
   for (std::size_t& column : named.columns) ++column;
   return named;
 }
@@ -97,13 +103,13 @@ NumberTable without_first(NumberTable table) {
 std::array<std::size_t, 6> columns_of(const NumberTable& table, const fs::path& path) {
   if (is_even(table)) {
     const std::size_t width = table.row(0).size();
-    const NamedColumns named = told_by(table.names, width);
+    const NamedColumns named = told_by(table.names, table);
     if (named.kind == NamedColumns::Kind::found) return named.columns;
     if (named.kind == NamedColumns::Kind::unclear) refuse_names(table, path);
     if (!table.names.empty() && table.names.size() != width && table.names.size() + 1 != width) {
       fail(path, std::to_string(table.names.size()) + " names, but " + std::to_string(width) + " numbers a line");
     }
-    const NamedColumns commented = told_by(table.comment_names, width);
+    const NamedColumns commented = told_by(table.comment_names, table);
     if (commented.kind == NamedColumns::Kind::found) return commented.columns;
     if (width == 6) return {0, 1, 2, 3, 4, 5};
     if (width == 7 && has_index(table)) return {1, 2, 3, 4, 5, 6};

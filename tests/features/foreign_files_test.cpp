@@ -81,6 +81,8 @@ TEST_F(ForeignFiles, HeadingsOfTextAreUnderstood) {
           "x y z\n1 1 2 3\n2 4 5 6\n",  // R, pandas: rows have names, which have none
           "\"x\" \"y\" \"z\"\n\"a\" 1 2 3\n\"b\" 4 5 6\n",
           "\"1\",\"2\",\"3\"\n\"4\",\"5\",\"6\"\n",
+          "x,y,z\n1,2,3,\n4,5,6,\n",                  // with separators behind
+          "x y z\n1 2 3 0.5\n4 5 6 0.7\n",            // with numbers that no name counts
           "0,1,2\n1,2,3\n4,5,6.5\n",                  // pandas, of an array
           "# the x y z coordinates\n1 2 3\n4 5 6\n",  // prose
           "1 2 3\r4 5 6\r",

@@ -220,6 +220,8 @@ TEST_F(ColumnsTest, AreCountedAsRAndPandasDo) {
   EXPECT_EQ(read(rows("\"tx\" \"ty\" \"tz\" \"sx\" \"sy\" \"sz\"\n", indexed)), swapped);
   EXPECT_EQ(read(rows("\ttx\tty\ttz\tsx\tsy\tsz\n", [](int k) { return std::to_string(k) + "\t" + point(k, "\t"); })),
             swapped);
+  EXPECT_EQ(read(rows("tx,ty,tz,sx,sy,sz\n", [](int k) { return point(2 * k) + ",0.5"; })),
+            (std::vector<double>{8, 10, 12, 2, 4, 6}));
   EXPECT_EQ(read(rows("0,1,2,3,4,5\n", [](int k) { return point(k) + ".5"; })),
             (std::vector<double>{1, 2, 3, 4, 5, 6}));
 }

@@ -190,22 +190,40 @@ bool take_heading(std::string_view line, Heading& heading) {
   return true;
 }
 
+/// The words of a line; an empty one behind a last separator is none.
 std::vector<std::string_view> words_in(std::string_view line, bool tabs) {
   std::vector<std::string_view> words;
   line = without_comment(line);
   split(line, separator_of(line, tabs), kAll, [&](std::size_t, std::string_view word) { words.push_back(word); });
+  if (!words.empty() && words.back().empty()) words.pop_back();
   return words;
 }
 
-/// Columns that a line of names tells, held against the words of the first point. A row may begin with a name more.
-Columns told_by(const std::vector<std::string>& names, Columns columns, const std::vector<std::string_view>& words,
-                bool is_list) {
-  if (words.size() == names.size() + 1) {
+/// Whether rows have names of their own, which the names of the columns do not count: first words that are no number,
+/// or count from 0 or 1.
+bool are_named(const std::vector<std::string_view>& first, const std::vector<std::string_view>& second) {
+  const std::optional<double> number = number_in(first[0]);
+  if (!number) return true;
+  return (*number == 0.0 || *number == 1.0) && (second.empty() || number_in(second[0]) == *number + 1.0);
+}
+
+/// Columns that a line of names tells, held against the words of the first two points.
+Columns told_by(const std::vector<std::string>& names, Columns columns, const std::vector<std::string_view>& first,
+                const std::vector<std::string_view>& second, bool is_list) {
+  if (first.size() == names.size() + 1) {
+    if (!are_named(first, second)) return columns;
     for (std::size_t& column : columns) ++column;
-  } else if (words.size() != names.size() && !is_list) {
-    throw FileFault(std::to_string(words.size()) + " words, but " + std::to_string(names.size()) + " names before");
+  } else if (first.size() != names.size() && !is_list) {
+    throw FileFault(std::to_string(first.size()) + " words, but " + std::to_string(names.size()) + " names before");
   }
   return columns;
+}
+
+/// Takes the words of the next point.
+std::vector<std::string_view> take_point(std::string_view& text, bool tabs) {
+  std::vector<std::string_view> words;
+  while (words.empty() && !text.empty()) words = words_in(next_line(text), tabs);
+  return words;
 }
 
 /// Whether a first line numbers the columns, as pandas does for an array without names: other rows have fractions.
@@ -326,12 +344,11 @@ Coordinates read_point_text(std::string_view text) {
       const char separator = separator_of(line, true);
       tabs = separator == '\t';
       std::string_view after = rest;
-      std::string_view first;
-      while (words_in(first, tabs).empty() && !after.empty()) first = next_line(after);
-      words = words_in(first, tabs);
+      words = take_point(after, tabs);
+      const std::vector<std::string_view> second = take_point(after, tabs);
       ++heading.lines;
       text = rest;
-      columns = words.empty() ? *named : told_by(names, *named, words, separator != ' ');
+      columns = words.empty() ? *named : told_by(names, *named, words, second, separator != ' ');
       told = true;
     } else if (heading.commented) {
       // A comment names columns where it has a word for each, or is a list: prose hardly ever does.
