@@ -105,7 +105,7 @@ say "running clang-tidy"
 tidy_program
 tidy_database
 if (($#)); then
-  found=$(printf '%s\n' "$@" | clang_tidy tidy)
+  found=$(printf '%s\n' "$@" | clang_tidy tidy) || fail "clang-tidy cannot be run"
 else
   found=$(sources_with_findings) || fail "clang-tidy cannot be run"
 fi

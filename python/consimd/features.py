@@ -134,7 +134,7 @@ class RivalPose(NamedTuple):
     share_of_score: float
     """Of the pose's score: the samples that agree, each by how rarely it does, less those seen through."""
     share_of_agreement: float
-    """Of the samples that agree at the pose those that do at the rival, both fitted."""
+    """The samples that agree at the rival over those that agree at the pose, both fitted to the surfaces."""
     agreement: float
     """As in `PoseEvidence`."""
     seen_through: float

@@ -30,7 +30,7 @@ bool counts_rows(const NumberTable& table) {
   return true;
 }
 
-/// The same of so many rows that it is no chance.
+/// Whether it does so in so many rows that it is no chance.
 bool has_index(const NumberTable& table) {
   constexpr std::size_t kFewest = 8;
   return table.rows() >= kFewest && counts_rows(table);

@@ -85,9 +85,9 @@ TEST_F(ForeignFiles, HeadingsOfTextAreUnderstood) {
           "x y z\n1 2 3 0.5\n4 5 6 0.7\n",            // with numbers that no name counts
           "0,1,2\n1,2,3\n4,5,6.5\n",                  // pandas, of an array
           "# the x y z coordinates\n1 2 3\n4 5 6\n",  // prose
-          "1 2 3\r4 5 6\r",
+          "1 2 3\r4 5 6\r",                           // of an old Mac
           "# a\r\n1 2 3\r4 5 6\n",
-          "  2\n1 2 3\n4 5 6\n",  // of an old Mac
+          "  2\n1 2 3\n4 5 6\n",
       }) {
     EXPECT_EQ(read("t.txt", text), two) << text;
   }

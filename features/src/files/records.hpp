@@ -52,7 +52,8 @@ void require_records(std::string_view bytes, std::size_t count, std::size_t size
 /// The words of a line, between blanks, and the line itself taken off the text.
 [[nodiscard]] std::vector<std::string_view> take_line(std::string_view& text);
 
-/// The same between commas or semicolons where the line has any, without a comment.
+/// The words of a line, between commas or semicolons where it has any, without its comment; the line is taken off the
+/// text.
 [[nodiscard]] std::vector<std::string_view> take_words(std::string_view& text);
 
 // The forms of files, each from its whole contents. They throw FileFault.

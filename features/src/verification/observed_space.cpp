@@ -176,7 +176,7 @@ FreeSpace::FreeSpace(const Cloud& scan, const Vector3& viewpoint, double margin)
     look(points);
     const auto seen = static_cast<std::size_t>(std::ranges::count_if(range_, [](float r) { return r > 0.0f; }));
     if (2 * seen <= points.size()) break;
-    // Of each four cells one is made: the edges are powers of two, so that directions are rounded to the same cells.
+    // Four cells become one. Edges are powers of two, so that a direction rounds to the cell that it would have had.
     if (edge_ == kCoarsest) {
       edge_ = 0;
       return;

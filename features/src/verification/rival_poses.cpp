@@ -121,8 +121,8 @@ std::vector<RivalSearch::Peak> RivalSearch::shifted(const RigidTransform& pose,
   return peaks;
 }
 
-// Of the shifts between two like objects, which may have any direction, each takes every sample on one to a surface of
-// the other.
+// A shift between two like objects may have any direction. It takes every sample on one of them to a surface of the
+// other, so that a few samples are enough to meet it.
 std::vector<RivalSearch::Peak> RivalSearch::shifted_to_like(const RigidTransform& pose,
                                                             const std::vector<SurfacePoint>& telling) const {
   std::vector<SurfacePoint> surfaces;

@@ -33,7 +33,7 @@ struct RivalPose {
   /// Of the pose's score, both fitted to the surfaces: the samples that agree, each by how rarely it does and how close
   /// it is, less those seen through. Above 1: the rival is better.
   double share_of_score = 0.0;
-  /// Of the samples that agree at the pose those that do at the rival, both fitted.
+  /// The samples that agree at the rival over those that agree at the pose, both fitted to the surfaces.
   double share_of_agreement = 0.0;
   double agreement = 0.0;     ///< as in PoseEvidence
   double seen_through = 0.0;  ///< as in PoseEvidence
