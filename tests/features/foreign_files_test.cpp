@@ -149,8 +149,8 @@ TEST_F(ForeignFiles, PairsOfRowsAreWhatTheirHeadingSays) {
   };
   const std::pair two_one(2.0, 6.0);
   for (const char* text : {"2 1\n0 0\n", "2,1,0.7\n", "# made up\n\n2.0 1.0\n", "2e0;1e0\n", "source,target\n2,1\n",
-                           "target_row,source_row\n1,2\n", "# target source\n1 2\n", "idx src tgt\n9 2 1\n",
-                           "\xEF\xBB\xBF% a comment\n// another\n2\t1\n"}) {
+                           "target_row,source_row\n1,2\n", "# Target Source\n1 2\n", "2 1\r0 0\r",
+                           "idx src tgt\n9 2 1\n", "\xEF\xBB\xBF% a comment\n// another\n2\t1\n"}) {
     EXPECT_EQ(read(text), two_one) << text;
   }
   const auto wrong = [&](const std::string& text) { return fault_of([&] { return read(text); }); };

@@ -50,9 +50,7 @@ std::string contents(const std::filesystem::path& path) {
 }
 
 Coordinates read_points(std::string_view bytes, const std::filesystem::path& path) {
-  std::string form = path.extension().string();
-  std::ranges::transform(form, form.begin(),
-                         [](char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c; });
+  const std::string form = lower(path.extension().string());
   if (form == ".ply" || bytes.starts_with("ply\n") || bytes.starts_with("ply\r")) return read_ply(bytes);
   if (form == ".pcd" || bytes.starts_with("# .PCD") || bytes.starts_with("VERSION ")) return read_pcd(bytes);
   if (form == ".npy" || bytes.starts_with("\x93NUMPY")) return read_npy(bytes);

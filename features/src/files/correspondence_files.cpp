@@ -46,7 +46,7 @@ std::optional<std::array<std::size_t, 2>> named_sides(const std::vector<std::str
   std::array<std::optional<std::size_t>, 2> found;
   for (std::size_t k = 0; k < words.size(); ++k) {
     for (std::size_t side = 0; side < 2; ++side) {
-      const auto begins = [&](std::string_view name) { return words[k].starts_with(name); };
+      const auto begins = [word = detail::lower(words[k])](std::string_view name) { return word.starts_with(name); };
       if (!found[side] && std::ranges::any_of(kNames[side], begins)) found[side] = k;
     }
   }
@@ -85,7 +85,8 @@ MatchedPoints read_matched_rows(const std::filesystem::path& source, const std::
 MatchedPoints read_indexed_matches(const std::filesystem::path& source, const std::filesystem::path& target,
                                    const std::filesystem::path& pairs) {
   const detail::Coordinates from = rows_of(source), to = rows_of(target);
-  const std::string bytes = detail::contents(pairs);
+  std::string bytes = detail::contents(pairs);
+  if (auto lines = detail::with_line_feeds(bytes)) bytes = std::move(*lines);
   std::string_view text = bytes;
   if (text.starts_with("\xEF\xBB\xBF")) text.remove_prefix(3);
   MatchedPoints matches;

@@ -81,17 +81,6 @@ std::string_view next_line(std::string_view& text) {
   return line;
 }
 
-/// Ends of lines as old Macs wrote them, alone or among others, as line feeds; nothing where there is none.
-std::optional<std::string> with_line_feeds(std::string_view text) {
-  std::optional<std::string> lines;
-  for (std::size_t at = text.find('\r'); at != std::string_view::npos; at = text.find('\r', at + 1)) {
-    if (at + 1 == text.size() || text[at + 1] == '\n') continue;
-    if (!lines) lines = std::string(text);
-    (*lines)[at] = '\n';
-  }
-  return lines;
-}
-
 /// Before a '#' that no word holds, as 1.#INF does.
 std::string_view without_comment(std::string_view line) {
   if (comment_of(line)) return {};
@@ -99,13 +88,6 @@ std::string_view without_comment(std::string_view line) {
     if (is_blank(line[at - 1]) || line[at - 1] == ',' || line[at - 1] == ';') return line.substr(0, at);
   }
   return line;
-}
-
-std::string lower(std::string_view word) {
-  std::string text(word);
-  std::ranges::transform(text, text.begin(),
-                         [](char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c; });
-  return text;
 }
 
 /// The names of a line, in small letters, without units in brackets or behind a slash.
@@ -294,6 +276,23 @@ Coordinates lines_of_points(std::string_view text, const Columns& columns, std::
 }
 
 }  // namespace
+
+std::string lower(std::string_view word) {
+  std::string text(word);
+  std::ranges::transform(text, text.begin(),
+                         [](char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c; });
+  return text;
+}
+
+std::optional<std::string> with_line_feeds(std::string_view text) {
+  std::optional<std::string> lines;
+  for (std::size_t at = text.find('\r'); at != std::string_view::npos; at = text.find('\r', at + 1)) {
+    if (at + 1 == text.size() || text[at + 1] == '\n') continue;
+    if (!lines) lines = std::string(text);
+    (*lines)[at] = '\n';
+  }
+  return lines;
+}
 
 std::optional<std::string_view> comment_of(std::string_view line) {
   while (!line.empty() && is_blank(line.front())) line.remove_prefix(1);
