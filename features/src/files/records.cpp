@@ -4,8 +4,6 @@
 #include <charconv>
 #include <cstring>
 #include <limits>
-#include <optional>
-#include <utility>
 
 namespace consimd::features::detail {
 namespace {
