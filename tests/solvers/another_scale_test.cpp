@@ -8,8 +8,8 @@
 #include <algorithm>
 #include <optional>
 #include <random>
-#include <regex>
 #include <string>
+#include <string_view>
 
 #include "problems.hpp"
 
@@ -28,9 +28,15 @@ Problem at_scale(double scale, std::size_t rows, double outlier_ratio, std::uint
 }
 
 std::optional<double> named_scale(const Correspondences& rows, const Registration& result) {
-  static const std::regex sentence_of_scale("pair lengths agree on a scale of ([0-9.e+-]+): see estimate_scale");
+  constexpr std::string_view kBefore = "pair lengths agree on a scale of ";
+  constexpr std::string_view kBehind = ": see estimate_scale";
   for (const std::string& sentence : advice(rows, result)) {
-    if (std::smatch found; std::regex_match(sentence, found, sentence_of_scale)) return std::stod(found[1]);
+    if (!sentence.starts_with(kBefore) || !sentence.ends_with(kBehind)) continue;
+    const std::string number = sentence.substr(kBefore.size(), sentence.size() - kBefore.size() - kBehind.size());
+    std::size_t read = 0;
+    const double scale = std::stod(number, &read);
+    EXPECT_EQ(read, number.size()) << sentence;
+    return scale;
   }
   return std::nullopt;
 }
