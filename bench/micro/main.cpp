@@ -13,6 +13,7 @@
 #include "bench_options.hpp"
 #include "clock_benchmark.hpp"
 #include "cloud_benchmarks.hpp"
+#include "front_end_benchmarks.hpp"
 #include "graph_benchmarks.hpp"
 #include "kernel_benchmarks.hpp"
 #include "registration_benchmarks.hpp"
@@ -66,6 +67,7 @@ int main(int argc, char** argv) try {
   consimd::bench::register_kernel_benchmarks(options);
   consimd::bench::register_graph_benchmarks();
   consimd::bench::register_cloud_benchmarks();
+  consimd::bench::register_front_end_benchmarks();
   consimd::bench::register_registration_benchmarks();
   explain_warning();
   if (benchmark::RunSpecifiedBenchmarks() == 0) {

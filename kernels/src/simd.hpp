@@ -53,6 +53,12 @@ inline Batch<Arch> square_root(const Batch<Arch>& a) {
   return xsimd::sqrt(a);
 }
 
+/// sum + term, where `sum` is an accumulator that stays in its register.
+template <typename Arch>
+inline IntBatch<Arch> sum_in_place(const IntBatch<Arch>& sum, const IntBatch<Arch>& term) {
+  return sum + term;
+}
+
 /// How many bits are set in both of two arrays.
 template <typename Arch>
 inline std::uint32_t common_bits(const std::uint64_t* a, const std::uint64_t* b, std::size_t words, Arch /*tag*/) {

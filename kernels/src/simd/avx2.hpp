@@ -67,6 +67,15 @@ inline IntBatch<xsimd::avx2> pair_products(const IntBatch<xsimd::avx2>& a, const
   return _mm256_madd_epi16(a, b);
 }
 
+#if defined(__GNUC__) && !defined(__clang__)
+/// GCC 12 would sum into the register of `term` and copy that back: best_matches of 5000 takes 0.93 of the time.
+inline IntBatch<xsimd::avx2> sum_in_place(const IntBatch<xsimd::avx2>& sum, const IntBatch<xsimd::avx2>& term) {
+  auto in_place = sum.data;
+  __asm__("vpaddd %1, %0, %0" : "+x"(in_place) : "x"(term.data));
+  return in_place;
+}
+#endif
+
 /// Lane by lane: Zen's gather instructions take longer.
 inline Batch<xsimd::avx2> gather(const float* from, const std::uint32_t* at, xsimd::avx2) {
   return _mm256_setr_ps(from[at[0]], from[at[1]], from[at[2]], from[at[3]], from[at[4]], from[at[5]], from[at[6]],
