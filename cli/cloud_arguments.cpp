@@ -1,5 +1,6 @@
 #include "cloud_arguments.hpp"
 
+#include <algorithm>
 #include <charconv>
 #include <cmath>
 #include <iterator>
@@ -88,6 +89,22 @@ Viewpoint row_viewpoint_of(const CloudArguments& arguments) {
                   text == "none" ? ", which is of clouds: leave the option out for the origin" : ""));
 }
 
+std::optional<features::PairColumns> pair_columns_of(const CloudArguments& arguments) {
+  const std::vector<std::size_t>& chosen = arguments.columns;
+  if (chosen.empty()) return std::nullopt;
+  if ((chosen.size() != 3 && chosen.size() != 6) || std::ranges::find(chosen, 0U) != chosen.end()) {
+    throw std::invalid_argument(
+        "--columns: expected three columns of both clouds counted from 1, as in 2,3,4, or six, three of each");
+  }
+  features::PairColumns columns{};
+  for (std::size_t k = 0; k < 6; ++k) columns[k / 3][k % 3] = chosen[k % chosen.size()];
+  return columns;
+}
+
+void add_columns_option(CLI::App& command, CloudArguments& arguments, const std::string& help) {
+  command.add_option("--columns", arguments.columns, help)->delimiter(',');
+}
+
 std::vector<std::string> CloudArguments::given() const {
   const CloudArguments defaults;
   std::vector<std::string> options;
@@ -160,14 +177,16 @@ CloudPair read_clouds(const std::string& source, const std::string& target, cons
   if (source == "-" && target == "-") {
     throw std::invalid_argument("SOURCE and TARGET are both '-': the standard input holds one cloud");
   }
-  const auto read = [&](const std::string& file) {
-    Cloud cloud = features::read_cloud(file, arguments.missing);
+  const std::optional<features::PairColumns> columns = pair_columns_of(arguments);
+  const auto read = [&](const std::string& file, std::size_t side) {
+    Cloud cloud =
+        features::read_cloud(file, arguments.missing, columns ? std::optional((*columns)[side]) : std::nullopt);
     if (!cloud.empty()) return cloud;
     const std::string left_out =
         cloud.left_out() > 0 ? fmt::format(": all of its {} rows are without a place", cloud.left_out()) : "";
     throw std::runtime_error(fmt::format("{}: holds no points{}", file, left_out));
   };
-  return {read(source), read(target)};
+  return {read(source, 0), read(target, 1)};
 }
 
 std::string correspondence_text(const features::CloudMatches& matches) {

@@ -10,6 +10,7 @@
 #include <CLI/CLI.hpp>
 
 #include <consimd/features/cloud_matching.hpp>
+#include <consimd/features/correspondence_files.hpp>
 
 namespace consimd::cli {
 
@@ -29,6 +30,7 @@ struct CloudArguments {
   std::string save_aligned;
   // What correspondences take as well.
   std::optional<std::string> source_viewpoint;
+  std::vector<std::size_t> columns;
 
   /// Those that were given and are of clouds alone, each with its value.
   [[nodiscard]] std::vector<std::string> given() const;
@@ -43,6 +45,11 @@ using Viewpoint = std::optional<std::array<double, 3>>;
 
 /// Gives that of the source of correspondences, if there is one. Throws as above, also on "none".
 [[nodiscard]] Viewpoint row_viewpoint_of(const CloudArguments& arguments);
+
+/// Those of two clouds, if they were chosen. Throws std::invalid_argument unless they are three, of both, or six.
+[[nodiscard]] std::optional<features::PairColumns> pair_columns_of(const CloudArguments& arguments);
+
+void add_columns_option(CLI::App& command, CloudArguments& arguments, const std::string& help);
 
 void add_cloud_options(CLI::App& command, CloudArguments& arguments);
 

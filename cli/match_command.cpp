@@ -42,6 +42,11 @@ void add_match_command(CLI::App& app, Action& run) {
   command->add_option("SOURCE", options->source, fmt::format("Cloud: {}. '-' is the standard input", kCloudForms))
       ->required();
   command->add_option("TARGET", options->target, "Cloud to match it with")->required();
+  add_columns_option(
+      *command, options->clouds,
+      "Of text with other columns: which are x y z of both clouds, counted from 1, as in 2,3,4; or six, "
+      "three of each. Not needed where a first line or a comment names them, or rows are numbered before "
+      "them");
   add_cloud_options(*command, options->clouds);
   command->add_option("--seed", options->seed, "Seed of the draw of points")
       ->check(whole_number())

@@ -82,15 +82,18 @@ features::MatchedPoints read_pairs(const RegisterOptions& options) {
   if (options.file == "-" || options.target == "-" || options.pairs == "-") {
     throw std::invalid_argument("--pairs: reads files, not the standard input");
   }
-  if (options.pairs == "rows") return features::read_matched_rows(options.file, options.target);
-  return features::read_indexed_matches(options.file, options.target, options.pairs);
+  const std::optional<features::PairColumns> columns = pair_columns_of(options.clouds);
+  if (options.pairs == "rows") return features::read_matched_rows(options.file, options.target, columns);
+  return features::read_indexed_matches(options.file, options.target, options.pairs, columns);
 }
 
 Correspondences read_rows(const RegisterOptions& options) {
   const std::string& file = options.file;
   const std::string ending = std::filesystem::path(file).extension().string();
   if (!options.pairs.empty() || ending == ".npz" || ending == ".npy") {
-    if (!options.columns.empty()) throw std::invalid_argument("--columns: chooses among the columns of text alone");
+    if (options.pairs.empty() && !options.clouds.columns.empty()) {
+      throw std::invalid_argument("--columns: chooses among the columns of text alone");
+    }
     const features::MatchedPoints matches =
         options.pairs.empty() ? features::read_array_matches(file) : read_pairs(options);
     if (matches.source.size() >= 3) return matches.correspondences();
@@ -98,7 +101,7 @@ Correspondences read_rows(const RegisterOptions& options) {
                                          matches.source.size()));
   }
   try {
-    return synth::read_correspondences(file, options.columns);
+    return synth::read_correspondences(file, options.clouds.columns);
   } catch (const std::runtime_error&) {
     constexpr std::array kCloudEndings{".ply", ".pcd", ".bin", ".las"};
     if (std::find(kCloudEndings.begin(), kCloudEndings.end(), ending) == kCloudEndings.end() ||

@@ -98,12 +98,10 @@ void check(const RegisterOptions& options) {
   if (options.target.empty() && !options.pairs.empty()) {
     throw std::invalid_argument("--pairs: needs two clouds, SOURCE and TARGET");
   }
-  if (!options.target.empty() && !options.columns.empty()) {
-    throw std::invalid_argument("--columns: is of a file of correspondences, FILE");
-  }
-  if (!options.columns.empty() &&
-      (options.columns.size() != 6 ||
-       std::find(options.columns.begin(), options.columns.end(), 0u) != options.columns.end())) {
+  if (const auto& columns = options.clouds.columns; !options.target.empty()) {
+    static_cast<void>(pair_columns_of(options.clouds));
+  } else if (!columns.empty() &&
+             (columns.size() != 6 || std::find(columns.begin(), columns.end(), 0u) != columns.end())) {
     throw std::invalid_argument("--columns: expected six columns counted from 1, as in 2,3,4,5,6,7");
   }
   check_viewpoints_and_clouds(options);
@@ -141,12 +139,10 @@ void add_register_options(CLI::App& command, RegisterOptions& options) {
                      "Of clouds whose points are matched already: rows, each with the same row of the other, or a "
                      "file with a line for "
                      "each match: a row of FILE and one of TARGET, counted from 0");
-  command
-      .add_option("--columns", options.columns,
-                  "Of text with other columns: which are source x y z and target x y z, counted from 1, as in "
-                  "2,3,4,5,6,7. Not needed where a first line or a comment names them (x1, source_x, sx), or rows are "
-                  "numbered before them")
-      ->delimiter(',');
+  add_columns_option(command, options.clouds,
+                     "Of text with other columns: which are source x y z and target x y z, counted from 1, as in "
+                     "2,3,4,5,6,7; of clouds also x y z of both, as in 2,3,4. Not needed where a first line or a "
+                     "comment names them (x1, source_x, sx), or rows are numbered before them");
   add_cloud_options(command, options.clouds);
   command.add_option("--save-correspondences", options.clouds.save_correspondences,
                      "Of clouds: write their matches to this file");

@@ -19,7 +19,6 @@ struct RegisterOptions {
   std::string file;
   std::string target;  ///< of two clouds; empty: `file` holds correspondences
   std::string pairs;   ///< of two clouds whose points are matched already: "rows", or a file
-  std::vector<std::size_t> columns;
   CloudArguments clouds;
   std::optional<double> noise_bound;
   std::string solver = solvers().front().name;

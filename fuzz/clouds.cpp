@@ -2,6 +2,7 @@
 #include <consimd/features/cloud_files.hpp>
 #include <consimd/features/correspondence_files.hpp>
 
+#include <optional>
 #include <string_view>
 
 #include "byte_file.hpp"
@@ -13,6 +14,10 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   fuzz::may_refuse([&] {
     const Cloud cloud = features::read_cloud(file.path());
     fuzz::require(cloud.size() <= 1032 * size, "no more points than bytes");
+  });
+  fuzz::may_refuse([&] {
+    const Cloud cloud = features::read_cloud(file.path(), std::nullopt, features::TextColumns{3, 1, 2});
+    fuzz::require(6 * cloud.size() <= size + 1, "no more points than lines of three numbers");
   });
   fuzz::may_refuse([&] {
     const features::MatchedPoints matches = features::read_array_matches(file.path());

@@ -71,6 +71,7 @@ class Clouds(CommandTest):
                 for array, values in arrays.items():
                     archive.writestr(array, npy(values))
         self.write("six.npy", npy(rows))
+        self.write("named.txt", "".join("p{} {} {} {}\n".format(k, *row[:3]) for k, row in enumerate(rows)))
         self.write("pose.txt", "1 2 3\n0 -1 0 5\n1 0 0 3\n0 0 1 0\n0 0 0 1\n")
 
         def runs(*arguments):
@@ -85,6 +86,8 @@ class Clouds(CommandTest):
         for arguments in (
             ["a.csv", "b.xyz", "--pairs", "rows"],
             ["a.csv", "reversed.xyz", "--pairs", "pairs.txt"],
+            ["six.txt", "six.txt", "--pairs", "rows", "--columns", "1,2,3,4,5,6"],
+            ["named.txt", "b.xyz", "--pairs", "rows", "--columns", "2,3,4,1,2,3"],
             ["stored.npz"],
             ["deflated.npz"],
             ["six.npy"],
@@ -104,7 +107,12 @@ class Clouds(CommandTest):
             (["a.csv", "b.xyz", "--pairs", "none.txt"], "none.txt: cannot read"),
             (["a.csv", "b.xyz", "--pairs", "rows", "--voxel", 1], "that are matched here"),
             (["six.txt", "--pairs", "rows"], "--pairs: needs two clouds"),
-            (["a.csv", "b.xyz", "--columns", "1,2,3,4,5,6"], "--columns: is of a file"),
+            (["named.txt", "b.xyz"], "named.txt:1: neither numbers nor a line of names with x, y and z: 'p0 "),
+            (["named.txt", "b.xyz"], "say which are x, y and z, counted from 1, as in --columns 2,3,4"),
+            (["a.csv", "b.xyz", "--columns", "1,2"], "--columns: expected three columns of both clouds"),
+            (["a.csv", "b.xyz", "--columns", "0,1,2"], "--columns: expected three columns of both clouds"),
+            (["a.csv", "b.xyz", "--columns", "1,2,4"], "a.csv:2: expected 4 numbers or more, got 3"),
+            (["six.npy", "b.xyz", "--columns", "1,2,3"], "six.npy: columns are chosen of text alone"),
             (["six.npy", "--columns", "4,5,6,1,2,3"], "--columns: chooses among the columns of text"),
             (["six.txt", "--columns", "1,2,3"], "--columns: expected six columns"),
             (["six.txt", "--columns", "1,2,3,4,5,7"], "column 7 of 6"),

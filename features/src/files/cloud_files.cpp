@@ -49,14 +49,30 @@ std::string contents(const std::filesystem::path& path) {
   return rest_of(file, ignored ? 0 : static_cast<std::size_t>(size));
 }
 
-Coordinates read_points(std::string_view bytes, const std::filesystem::path& path) {
-  const std::string form = lower(path.extension().string());
-  if (form == ".ply" || bytes.starts_with("ply\n") || bytes.starts_with("ply\r")) return read_ply(bytes);
-  if (form == ".pcd" || bytes.starts_with("# .PCD") || bytes.starts_with("VERSION ")) return read_pcd(bytes);
-  if (form == ".npy" || bytes.starts_with("\x93NUMPY")) return read_npy(bytes);
-  if (form == ".npz" || bytes.starts_with("PK\3\4")) return read_npz(bytes);
-  if (bytes.starts_with("LASF")) return read_las(bytes);
-  if (form == ".bin") return read_kitti(bytes);
+namespace {
+
+/// The reader of a form that is not text, by a file's beginning or ending; null of text.
+Coordinates (*binary_reader(std::string_view bytes, const std::string& form))(std::string_view) {
+  if (form == ".ply" || bytes.starts_with("ply\n") || bytes.starts_with("ply\r")) return read_ply;
+  if (form == ".pcd" || bytes.starts_with("# .PCD") || bytes.starts_with("VERSION ")) return read_pcd;
+  if (form == ".npy" || bytes.starts_with("\x93NUMPY")) return read_npy;
+  if (form == ".npz" || bytes.starts_with("PK\3\4")) return read_npz;
+  if (bytes.starts_with("LASF")) return read_las;
+  if (form == ".bin") return read_kitti;
+  return nullptr;
+}
+
+}  // namespace
+
+Coordinates read_points(std::string_view bytes, const std::filesystem::path& path,
+                        const std::optional<TextColumns>& columns) {
+  if (columns && std::ranges::find(*columns, std::size_t{0}) != columns->end()) {
+    throw std::invalid_argument("columns are counted from 1");
+  }
+  if (const auto reader = binary_reader(bytes, lower(path.extension().string()))) {
+    if (columns) throw FileFault("columns are chosen of text alone");
+    return reader(bytes);
+  }
   if (bytes.starts_with("ASTM-E57")) {
     throw FileFault("an E57 file, which is not read: convert it with 'pdal translate FILE.e57 FILE.las'");
   }
@@ -66,7 +82,8 @@ Coordinates read_points(std::string_view bytes, const std::filesystem::path& pat
   if (bytes.find('\0') != std::string_view::npos) {
     throw FileFault("not a cloud: neither PLY, PCD, NPY, NPZ, LAS or text, nor a .bin of KITTI's form");
   }
-  return read_point_text(bytes);
+  if (!columns) return read_point_text(bytes);
+  return read_point_text(bytes, std::array{(*columns)[0] - 1, (*columns)[1] - 1, (*columns)[2] - 1});
 }
 
 std::runtime_error named(const std::filesystem::path& path, const FileFault& fault) {
@@ -79,9 +96,10 @@ std::runtime_error named(const std::filesystem::path& path, const FileFault& fau
 
 }  // namespace detail
 
-Cloud read_cloud(const std::filesystem::path& path, std::optional<double> missing) {
+Cloud read_cloud(const std::filesystem::path& path, std::optional<double> missing,
+                 const std::optional<TextColumns>& columns) {
   try {
-    const detail::Coordinates points = detail::read_points(detail::contents(path), path);
+    const detail::Coordinates points = detail::read_points(detail::contents(path), path, columns);
     return Cloud(PointSpan<double>::interleaved(points.empty() ? nullptr : points.front().data(), points.size()),
                  missing);
   } catch (const detail::FileFault& fault) {

@@ -18,9 +18,11 @@
 namespace consimd::features {
 namespace {
 
-detail::Coordinates rows_of(const std::filesystem::path& path) {
+/// The points of the source, side 0, or the target.
+detail::Coordinates rows_of(const std::filesystem::path& path, const std::optional<PairColumns>& columns,
+                            std::size_t side) {
   try {
-    return detail::read_points(detail::contents(path), path);
+    return detail::read_points(detail::contents(path), path, columns ? std::optional((*columns)[side]) : std::nullopt);
   } catch (const detail::FileFault& fault) {
     throw detail::named(path, fault);
   }
@@ -74,8 +76,9 @@ MatchedPoints read_array_matches(const std::filesystem::path& path) {
   }
 }
 
-MatchedPoints read_matched_rows(const std::filesystem::path& source, const std::filesystem::path& target) {
-  MatchedPoints matches{rows_of(source), rows_of(target)};
+MatchedPoints read_matched_rows(const std::filesystem::path& source, const std::filesystem::path& target,
+                                const std::optional<PairColumns>& columns) {
+  MatchedPoints matches{rows_of(source, columns, 0), rows_of(target, columns, 1)};
   if (matches.source.empty()) throw std::runtime_error(source.string() + ": holds no points");
   if (matches.source.size() == matches.target.size()) return matches;
   throw std::runtime_error(target.string() + ": " + std::to_string(matches.target.size()) + " rows, expected " +
@@ -83,14 +86,14 @@ MatchedPoints read_matched_rows(const std::filesystem::path& source, const std::
 }
 
 MatchedPoints read_indexed_matches(const std::filesystem::path& source, const std::filesystem::path& target,
-                                   const std::filesystem::path& pairs) {
-  const detail::Coordinates from = rows_of(source), to = rows_of(target);
+                                   const std::filesystem::path& pairs, const std::optional<PairColumns>& columns) {
+  const detail::Coordinates from = rows_of(source, columns, 0), to = rows_of(target, columns, 1);
   std::string bytes = detail::contents(pairs);
   if (auto lines = detail::with_line_feeds(bytes)) bytes = std::move(*lines);
   std::string_view text = bytes;
   if (text.starts_with("\xEF\xBB\xBF")) text.remove_prefix(3);
   MatchedPoints matches;
-  std::array<std::size_t, 2> columns{0, 1};
+  std::array<std::size_t, 2> places{0, 1};
   std::optional<std::array<std::size_t, 2>> commented;
   std::size_t names_before = 0;
   bool is_first = true;
@@ -113,14 +116,14 @@ MatchedPoints read_indexed_matches(const std::filesystem::path& source, const st
       if (words.size() < 2) throw detail::FileFault("expected a row of the source and one of the target");
       if (std::exchange(is_first, false)) {
         if (const auto sides = named_sides(words)) {
-          columns = *sides;
+          places = *sides;
           continue;
         }
-        if (commented && names_before == words.size()) columns = *commented;
+        if (commented && names_before == words.size()) places = *commented;
       }
-      if (std::max(columns[0], columns[1]) >= words.size()) throw detail::FileFault("fewer words than names before");
-      matches.source.push_back(from[row_number(words[columns[0]], from.size(), "source")]);
-      matches.target.push_back(to[row_number(words[columns[1]], to.size(), "target")]);
+      if (std::max(places[0], places[1]) >= words.size()) throw detail::FileFault("fewer words than names before");
+      matches.source.push_back(from[row_number(words[places[0]], from.size(), "source")]);
+      matches.target.push_back(to[row_number(words[places[1]], to.size(), "target")]);
     } catch (const detail::FileFault& fault) {
       throw std::runtime_error(pairs.string() + ":" + std::to_string(line) + ": " + fault.what());
     }

@@ -13,6 +13,7 @@ namespace {
 
 constexpr std::string_view kBlanks = " \t\v\f\r";
 constexpr std::size_t kAll = std::numeric_limits<std::size_t>::max();
+constexpr const char* kChoose = ": say which are x, y and z, counted from 1, as in --columns 2,3,4";
 
 bool is_blank(char c) { return kBlanks.find(c) != std::string_view::npos; }
 
@@ -196,7 +197,8 @@ Columns told_by(const std::vector<std::string>& names, Columns columns, const st
     if (!are_named(first, second)) return columns;
     for (std::size_t& column : columns) ++column;
   } else if (first.size() != names.size() && !is_list) {
-    throw FileFault(std::to_string(first.size()) + " words, but " + std::to_string(names.size()) + " names before");
+    throw FileFault(std::to_string(first.size()) + " words, but " + std::to_string(names.size()) + " names before" +
+                    kChoose);
   }
   return columns;
 }
@@ -315,8 +317,8 @@ Coordinates read_number_lines(std::string_view text, const std::array<std::size_
   return lines_of_points(text, columns, count, before, false);
 }
 
-Coordinates read_point_text(std::string_view text) {
-  if (const auto lines = with_line_feeds(text)) return read_point_text(*lines);
+Coordinates read_point_text(std::string_view text, const std::optional<Columns>& chosen) {
+  if (const auto lines = with_line_feeds(text)) return read_point_text(*lines, chosen);
   if (text.starts_with("\xEF\xBB\xBF")) text.remove_prefix(3);
   Heading heading;
   std::string_view rest = text;
@@ -339,7 +341,17 @@ Coordinates read_point_text(std::string_view text) {
       numbers ? std::vector<std::string>() : names_of(line, separator_of(line, true));
   const std::optional<Columns> named = named_columns(names);
   try {
-    if (named) {
+    if (chosen) {
+      // A first line without a number has the names.
+      if (std::ranges::none_of(words, [](std::string_view word) { return number_in(word).has_value(); })) {
+        ++heading.lines;
+        text = rest;
+      }
+      const std::string_view first = text.substr(0, text.find('\n'));
+      tabs = first.find('\t') != std::string_view::npos && first.find(' ') == std::string_view::npos;
+      columns = *chosen;
+      told = true;
+    } else if (named) {
       const char separator = separator_of(line, true);
       tabs = separator == '\t';
       std::string_view after = rest;
@@ -360,8 +372,8 @@ Coordinates read_point_text(std::string_view text) {
     throw fault(mismatch.what());
   }
   if (!numbers && !told) {
-    throw fault(
-        told_of(without_comment(line), "neither numbers nor a line of names with x, y and z: '" + shown(line) + "'"));
+    throw fault(told_of(without_comment(line),
+                        "neither numbers nor a line of names with x, y and z: '" + shown(line) + "'" + kChoose));
   }
   Coordinates points = lines_of_points(text, columns, kAll, heading.lines, tabs);
   if (!told && words.size() > 3 && count_rows(points)) {

@@ -11,6 +11,8 @@
 #include <string_view>
 #include <vector>
 
+#include <consimd/features/cloud_files.hpp>
+
 namespace consimd::features::detail {
 
 /// A fault of a file; whoever knows its name puts it in front.
@@ -69,7 +71,9 @@ void require_records(std::string_view bytes, std::size_t count, std::size_t size
 [[nodiscard]] Coordinates read_npz(std::string_view bytes);
 [[nodiscard]] Coordinates read_las(std::string_view bytes);
 [[nodiscard]] Coordinates read_kitti(std::string_view bytes);
-[[nodiscard]] Coordinates read_point_text(std::string_view text);
+/// chosen: which of a line's words are x, y and z; else the text tells.
+[[nodiscard]] Coordinates read_point_text(std::string_view text,
+                                          const std::optional<std::array<std::size_t, 3>>& chosen = std::nullopt);
 
 /// Matched points of an .npz: the arrays src_corr_points and ref_corr_points, as long as one another; of an .npy: N
 /// x 6.
@@ -87,8 +91,10 @@ void require_records(std::string_view bytes, std::size_t count, std::size_t size
 /// The whole file. Throws std::runtime_error "FILE: cannot read: why".
 [[nodiscard]] std::string contents(const std::filesystem::path& path);
 
-/// The points of a file in any of the forms, by its beginning or its ending. Throws FileFault.
-[[nodiscard]] Coordinates read_points(std::string_view bytes, const std::filesystem::path& path);
+/// The points of a file in any of the forms, by its beginning or its ending. columns: as `read_cloud` has them. Throws
+/// FileFault, and std::invalid_argument on a column of 0.
+[[nodiscard]] Coordinates read_points(std::string_view bytes, const std::filesystem::path& path,
+                                      const std::optional<TextColumns>& columns = std::nullopt);
 
 /// `fault` with the name of its file in front, as "FILE: what" or, of text, "FILE:LINE: what".
 [[nodiscard]] std::runtime_error named(const std::filesystem::path& path, const FileFault& fault);

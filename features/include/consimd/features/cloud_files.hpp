@@ -1,6 +1,8 @@
 // Clouds from files and into files.
 #pragma once
 
+#include <array>
+#include <cstddef>
 #include <filesystem>
 #include <optional>
 #include <string>
@@ -11,6 +13,9 @@
 
 namespace consimd {
 namespace CONSIMD_EXPORT features {
+
+/// Which words of a line of text are x, y and z, counted from 1.
+using TextColumns = std::array<std::size_t, 3>;
 
 /// Reads the points of a cloud; what else a file holds of them is passed over. Which form it is tells its beginning, or
 /// its ending:
@@ -26,9 +31,12 @@ namespace CONSIMD_EXPORT features {
 ///            '#' starts a comment, as do '//' and '%' at the beginning of a line; a first line of names, or a comment
 ///            with a name for each column, tells where x, y and z are; numbers of rows in the first column are passed
 ///            over, as is a first line with how many points follow, which has to be true
-/// `missing`: see Cloud. "-" reads the standard input. Throws std::runtime_error "FILE: what" (of text "FILE:LINE:
-/// what") on a file that cannot be read or is damaged: a header that promises more than there is reserves no memory.
-[[nodiscard]] Cloud read_cloud(const std::filesystem::path& path, std::optional<double> missing = std::nullopt);
+/// `missing`: see Cloud. `columns`: of text, whatever names it has; of a file of another form they are a fault. "-"
+/// reads the standard input. Throws std::runtime_error "FILE: what" (of text "FILE:LINE: what") on a file that cannot
+/// be read or is damaged: a header that promises more than there is reserves no memory. Throws std::invalid_argument on
+/// a column of 0.
+[[nodiscard]] Cloud read_cloud(const std::filesystem::path& path, std::optional<double> missing = std::nullopt,
+                               const std::optional<TextColumns>& columns = std::nullopt);
 
 /// The points of a cloud under a motion as a binary little-endian PLY file of doubles, a vertex for each row that was
 /// given to the cloud's constructor, in their order: NaN where a row had no place.

@@ -3,8 +3,10 @@
 
 #include <array>
 #include <filesystem>
+#include <optional>
 #include <vector>
 
+#include <consimd/features/cloud_files.hpp>
 #include <consimd/kernels/correspondences.hpp>
 #include <consimd/kernels/export.hpp>
 
@@ -25,15 +27,21 @@ struct MatchedPoints {
 /// Throws std::runtime_error "FILE: what".
 [[nodiscard]] MatchedPoints read_array_matches(const std::filesystem::path& path);
 
-/// Reads two clouds in any of the forms of `read_cloud` whose rows belong together. Throws std::runtime_error that
-/// names a file, also where they have different numbers of rows.
-[[nodiscard]] MatchedPoints read_matched_rows(const std::filesystem::path& source, const std::filesystem::path& target);
+/// Of the source and of the target.
+using PairColumns = std::array<TextColumns, 2>;
+
+/// Reads two clouds in any of the forms of `read_cloud` whose rows belong together. columns: of text, as there. Throws
+/// std::runtime_error that names a file, also where they have different numbers of rows.
+[[nodiscard]] MatchedPoints read_matched_rows(const std::filesystem::path& source, const std::filesystem::path& target,
+                                              const std::optional<PairColumns>& columns = std::nullopt);
 
 /// Reads two clouds and text with a line for each match: a row of the source and one of the target, counted from 0,
-/// and what else. Throws std::runtime_error that names a file, and its line where a row is not there.
+/// and what else. columns: of the clouds, as above. Throws std::runtime_error that names a file, and its line where a
+/// row is not there.
 [[nodiscard]] MatchedPoints read_indexed_matches(const std::filesystem::path& source,
                                                  const std::filesystem::path& target,
-                                                 const std::filesystem::path& pairs);
+                                                 const std::filesystem::path& pairs,
+                                                 const std::optional<PairColumns>& columns = std::nullopt);
 
 }  // namespace features
 }  // namespace consimd
