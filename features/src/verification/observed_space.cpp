@@ -16,6 +16,8 @@ constexpr double kAlong = 1.5;
 constexpr double kAcross = 1.0;
 // Along an axis, so that the product of three still numbers the cubes; voxel_grid has the same limit.
 constexpr double kMostCubes = 0x1p20 + 8.0;
+// Places that are looked up together.
+constexpr std::size_t kBlock = 64;
 
 std::uint64_t mixed(std::uint64_t key) noexcept {
   // Finaliser of MurmurHash3.
@@ -54,55 +56,77 @@ SurfaceMap::SurfaceMap(const CellGrid& surfaces, double voxel, double sides)
     }
     cubes_[c] = static_cast<std::int64_t>(cubes) + 3;
   }
-  // A point reaches 20 cubes at most, on a surface nine of them new where one is a voxel's size. There is always room
-  // for those of one point, since more than half of the table is free before.
-  constexpr std::size_t kLeast = 64;
+  // On a surface a point reaches nine new cubes where one is a voxel's size. There is always room for those of some
+  // points more, since half of the table is free before.
+  constexpr std::size_t kTogether = 16;
+  constexpr std::size_t kLeast = std::bit_ceil(2 * kTogether * kMostReached);
   table_.resize(std::bit_ceil(
       std::max(kLeast, static_cast<std::size_t>(8.0 / (sides * sides) * static_cast<double>(points_.size())))));
   mask_ = table_.size() - 1;
   std::size_t used = 0;
-  for (std::size_t i = 0; i < points_.size(); ++i) {
-    std::array<std::int64_t, 3> cube;
-    // Squares of the distances, in sides, from the point to the centres of the five cubes along each axis.
-    std::array<std::array<double, 5>, 3> squares;
-    for (std::size_t c = 0; c < 3; ++c) {
-      const double place = (points_[i].point[c] - low_[c]) * per_side_;
-      cube[c] = static_cast<std::int64_t>(place);
-      const double beyond_first = place - static_cast<double>(cube[c]) + 1.5;
-      for (std::size_t k = 0; k < 5; ++k) {
-        const double along = static_cast<double>(k) - beyond_first;
-        squares[c][k] = along * along;
-      }
+  std::array<Reached, kTogether * kMostReached> reached;
+  for (std::size_t begin = 0; begin < points_.size(); begin += kTogether) {
+    std::size_t count = 0;
+    for (std::size_t i = begin; i < std::min(begin + kTogether, points_.size()); ++i) {
+      count += list_reached(static_cast<std::uint32_t>(i), std::span(reached).subspan(count));
     }
-    for (std::size_t z = 0; z < 5; ++z) {
-      for (std::size_t y = 0; y < 5; ++y) {
-        const double of_row = squares[2][z] + squares[1][y];
-        if (of_row > kAlong * kAlong) continue;
-        const std::int64_t row =
-            ((cube[2] + static_cast<std::int64_t>(z) - 2) * cubes_[1] + cube[1] + static_cast<std::int64_t>(y) - 2) *
-                cubes_[0] +
-            cube[0] - 2;
-        for (std::size_t x = 0; x < 5; ++x) {
-          const auto squared = static_cast<float>(of_row + squares[0][x]);
-          if (squared > static_cast<float>(kAlong * kAlong)) continue;
-          const auto key = static_cast<std::uint64_t>(row + static_cast<std::int64_t>(x));
-          Cube& at = slot(key);
-          if (at.point != kNone && at.squared_distance <= squared) continue;
-          if (at.point == kNone) ++used;
-          at = {key, static_cast<std::uint32_t>(i), squared};
-        }
-      }
+    for (const Reached& cube : std::span(reached).first(count)) used += enter(cube) ? 1U : 0U;
+    if (2 * used > table_.size()) grow();
+  }
+  fill_filter();
+}
+
+std::size_t SurfaceMap::list_reached(std::uint32_t i, std::span<Reached> reached) const noexcept {
+  std::array<std::int64_t, 3> cube;
+  // Squares of the distances, in sides, from the point to the centres of the five cubes along each axis.
+  std::array<std::array<double, 5>, 3> squares;
+  for (std::size_t c = 0; c < 3; ++c) {
+    const double place = (points_[i].point[c] - low_[c]) * per_side_;
+    cube[c] = static_cast<std::int64_t>(place);
+    const double beyond_first = place - static_cast<double>(cube[c]) + 1.5;
+    for (std::size_t k = 0; k < 5; ++k) {
+      const double along = static_cast<double>(k) - beyond_first;
+      squares[c][k] = along * along;
     }
-    if (2 * used > table_.size()) {
-      std::vector<Cube> old(2 * table_.size());
-      old.swap(table_);
-      mask_ = table_.size() - 1;
-      for (const Cube& entry : old) {
-        if (entry.point != kNone) slot(entry.key) = entry;
+  }
+  std::size_t count = 0;
+  for (std::size_t z = 0; z < 5; ++z) {
+    for (std::size_t y = 0; y < 5; ++y) {
+      const double of_row = squares[2][z] + squares[1][y];
+      if (of_row > kAlong * kAlong) continue;
+      const std::int64_t row =
+          ((cube[2] + static_cast<std::int64_t>(z) - 2) * cubes_[1] + cube[1] + static_cast<std::int64_t>(y) - 2) *
+              cubes_[0] +
+          cube[0] - 2;
+      for (std::size_t x = 0; x < 5; ++x) {
+        const auto squared = static_cast<float>(of_row + squares[0][x]);
+        if (squared > static_cast<float>(kAlong * kAlong)) continue;
+        const auto key = static_cast<std::uint64_t>(row + static_cast<std::int64_t>(x));
+        const std::uint64_t hash = mixed(key);
+        __builtin_prefetch(&table_[hash & mask_]);
+        reached[count++] = {key, hash, i, squared};
       }
     }
   }
-  fill_filter();
+  return count;
+}
+
+bool SurfaceMap::enter(const Reached& cube) noexcept {
+  Cube& entry = slot(cube.key, cube.hash);
+  const bool was_free = entry.point == kNone;
+  if (was_free || cube.squared_distance < entry.squared_distance) {
+    entry = {cube.key, cube.point, cube.squared_distance};
+  }
+  return was_free;
+}
+
+void SurfaceMap::grow() {
+  std::vector<Cube> old(2 * table_.size());
+  old.swap(table_);
+  mask_ = table_.size() - 1;
+  for (const Cube& entry : old) {
+    if (entry.point != kNone) slot(entry.key, mixed(entry.key)) = entry;
+  }
 }
 
 void SurfaceMap::fill_filter() {
@@ -115,26 +139,37 @@ void SurfaceMap::fill_filter() {
   }
 }
 
-SurfaceMap::Cube& SurfaceMap::slot(std::uint64_t key) noexcept {
-  std::uint64_t at = mixed(key) & mask_;
+SurfaceMap::Cube& SurfaceMap::slot(std::uint64_t key, std::uint64_t hash) noexcept {
+  std::uint64_t at = hash & mask_;
   while (table_[at].point != kNone && table_[at].key != key) at = (at + 1) & mask_;
   return table_[at];
 }
 
-std::uint32_t SurfaceMap::find(const Vector3& place) const noexcept {
+std::optional<std::uint64_t> SurfaceMap::key_of(const Vector3& place) const noexcept {
   std::array<std::int64_t, 3> cube;
   for (std::size_t c = 0; c < 3; ++c) {
     const double along = (place[c] - low_[c]) * per_side_;
-    if (!(along >= 0.0 && along < static_cast<double>(cubes_[c]))) return kNone;
+    if (!(along >= 0.0 && along < static_cast<double>(cubes_[c]))) return std::nullopt;
     cube[c] = static_cast<std::int64_t>(along);
   }
-  const auto key = static_cast<std::uint64_t>((cube[2] * cubes_[1] + cube[1]) * cubes_[0] + cube[0]);
-  const std::uint64_t hash = mixed(key);
+  return static_cast<std::uint64_t>((cube[2] * cubes_[1] + cube[1]) * cubes_[0] + cube[0]);
+}
+
+bool SurfaceMap::may_hold(std::uint64_t hash) const noexcept {
   const std::uint64_t bit = filter_bit(hash, filter_.size());
-  if ((filter_[bit / 64] >> bit % 64 & 1) == 0) return kNone;
-  std::uint64_t at = hash & mask_;
+  return (filter_[bit / 64] >> bit % 64 & 1) != 0;
+}
+
+std::uint32_t SurfaceMap::point_of(std::uint64_t key, std::uint64_t at) const noexcept {
   while (table_[at].point != kNone && table_[at].key != key) at = (at + 1) & mask_;
   return table_[at].point;
+}
+
+std::uint32_t SurfaceMap::find(const Vector3& place) const noexcept {
+  const std::optional<std::uint64_t> key = key_of(place);
+  if (!key) return kNone;
+  const std::uint64_t hash = mixed(*key);
+  return may_hold(hash) ? point_of(*key, hash & mask_) : kNone;
 }
 
 double SurfaceMap::offset(const SurfacePoint& surface, const SurfacePoint& place) noexcept {
@@ -150,6 +185,43 @@ Agreement SurfaceMap::agreement(const SurfacePoint& place) const noexcept {
   const std::uint32_t found = find(place.point);
   if (found == kNone) return Agreement::empty;
   return passes(points_[found], place) ? Agreement::surface : Agreement::other;
+}
+
+void SurfaceMap::agreements(std::span<const SurfacePoint> places, std::span<Agreement> found) const noexcept {
+  // A step is done for a block of places before the next one: its loads do not hang on one another, so that the
+  // processor has many of them under way at once.
+  struct Asked {
+    std::uint64_t key;
+    std::uint64_t hash;
+    std::uint32_t place;
+    std::uint32_t point;
+  };
+  std::array<Asked, kBlock> asked;
+  for (std::size_t begin = 0; begin < places.size(); begin += kBlock) {
+    const std::size_t end = std::min(begin + kBlock, places.size());
+    std::size_t within = 0;
+    for (std::size_t i = begin; i < end; ++i) {
+      found[i] = Agreement::empty;
+      if (const std::optional<std::uint64_t> key = key_of(places[i].point)) {
+        asked[within++] = {*key, mixed(*key), static_cast<std::uint32_t>(i), kNone};
+      }
+    }
+    std::size_t likely = 0;
+    for (std::size_t k = 0; k < within; ++k) {
+      const Asked one = asked[k];
+      asked[likely] = one;
+      likely += may_hold(one.hash) ? 1U : 0U;
+    }
+    for (std::size_t k = 0; k < likely; ++k) asked[k].point = table_[asked[k].hash & mask_].point;
+    for (std::size_t k = 0; k < likely; ++k) {
+      if (asked[k].point != kNone) asked[k].point = point_of(asked[k].key, asked[k].hash & mask_);
+    }
+    for (std::size_t k = 0; k < likely; ++k) {
+      const auto& [key, hash, place, point] = asked[k];
+      if (point == kNone) continue;
+      found[place] = passes(points_[point], places[place]) ? Agreement::surface : Agreement::other;
+    }
+  }
 }
 
 const SurfacePoint* SurfaceMap::surface_at(const SurfacePoint& place) const noexcept {
@@ -264,11 +336,20 @@ void FreeSpace::look(const std::vector<Direction>& points) {
   }
 }
 
-bool FreeSpace::seen_through(const Vector3& place) const noexcept {
-  if (edge_ == 0) return false;
-  const Direction seen = direction(place);
-  const double free = static_cast<double>(range_[seen.cell]) - margin_;
-  return free > 0.0 && free * free > seen.squared_range;
+std::uint32_t FreeSpace::count_seen_through(std::span<const SurfacePoint> places) const noexcept {
+  if (edge_ == 0) return 0;
+  // As in SurfaceMap::agreements: all directions of a block, then their ranges.
+  std::array<Direction, kBlock> directions;
+  std::uint32_t count = 0;
+  for (std::size_t begin = 0; begin < places.size(); begin += kBlock) {
+    const std::span<const SurfacePoint> block = places.subspan(begin, std::min(kBlock, places.size() - begin));
+    for (std::size_t k = 0; k < block.size(); ++k) directions[k] = direction(block[k].point);
+    for (const Direction& seen : std::span(directions).first(block.size())) {
+      const double free = static_cast<double>(range_[seen.cell]) - margin_;
+      count += free > 0.0 && free * free > seen.squared_range ? 1U : 0U;
+    }
+  }
+  return count;
 }
 
 }  // namespace consimd::features::detail

@@ -54,6 +54,8 @@ class SurfaceMap {
   /// The points with a normal.
   [[nodiscard]] std::span<const SurfacePoint> surfaces() const noexcept { return points_; }
   [[nodiscard]] Agreement agreement(const SurfacePoint& place) const noexcept;
+  /// The same of many places, faster: their waits for memory overlap. found: as many as places.
+  void agreements(std::span<const SurfacePoint> places, std::span<Agreement> found) const noexcept;
   /// The surface that the place agrees with, or null.
   [[nodiscard]] const SurfacePoint* surface_at(const SurfacePoint& place) const noexcept;
   /// Square of the distance to the plane of that surface, in sides of a cube; 1 where there is none.
@@ -67,10 +69,29 @@ class SurfaceMap {
     float squared_distance = 0.0f;
   };
 
+  /// A cube that a surface point reaches.
+  struct Reached {
+    std::uint64_t key;
+    std::uint64_t hash;
+    std::uint32_t point;
+    float squared_distance;
+  };
+  static constexpr std::size_t kMostReached = 20;
+  /// Lists those of point i, kMostReached at most, and asks for the memory of their entries; returns how many there
+  /// are.
+  std::size_t list_reached(std::uint32_t i, std::span<Reached> reached) const noexcept;
+  /// Whether the cube was free before.
+  bool enter(const Reached& cube) noexcept;
+  void grow();
   [[nodiscard]] std::uint32_t find(const Vector3& place) const noexcept;
+  /// The key of the cube that the place is in, if one of these may hold surfaces.
+  [[nodiscard]] std::optional<std::uint64_t> key_of(const Vector3& place) const noexcept;
+  [[nodiscard]] bool may_hold(std::uint64_t hash) const noexcept;
+  /// The point of the cube of this key, looked for from entry `at` of the table on.
+  [[nodiscard]] std::uint32_t point_of(std::uint64_t key, std::uint64_t at) const noexcept;
   [[nodiscard]] static double offset(const SurfacePoint& surface, const SurfacePoint& place) noexcept;
   [[nodiscard]] bool passes(const SurfacePoint& surface, const SurfacePoint& place) const noexcept;
-  [[nodiscard]] Cube& slot(std::uint64_t key) noexcept;
+  [[nodiscard]] Cube& slot(std::uint64_t key, std::uint64_t hash) noexcept;
   void fill_filter();
 
   Vector3 low_{};
@@ -93,8 +114,8 @@ class FreeSpace {
   /// there, where much of it lies behind the rest, nothing is known.
   FreeSpace(const Cloud& scan, const Vector3& viewpoint, double margin);
 
-  /// Whether the scan saw only what is farther away than `place` in its direction and those next to it.
-  [[nodiscard]] bool seen_through(const Vector3& place) const noexcept;
+  /// How many of the places the scan saw through: only what is farther away in their directions and those next to them.
+  [[nodiscard]] std::uint32_t count_seen_through(std::span<const SurfacePoint> places) const noexcept;
 
  private:
   struct Direction {

@@ -5,6 +5,7 @@
 #include <oneapi/tbb/parallel_invoke.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <functional>
 #include <numbers>
@@ -89,14 +90,18 @@ Side side_of(const VerifiedCloud& cloud, double voxel, std::uint64_t seed) {
 /// What the samples of a cloud tell of one pose: sets `agrees` of each, and returns how many are seen through.
 std::uint32_t look(const std::vector<SurfacePoint>& samples, const RigidTransform& pose, const Side& other,
                    std::span<std::uint8_t> agrees) {
-  std::uint32_t seen_through = 0;
-  for (std::size_t i = 0; i < samples.size(); ++i) {
-    const SurfacePoint place = detail::placed({pose, 1.0}, samples[i]);
-    const detail::Agreement agreement = other.surfaces.agreement(place);
-    agrees[i] = agreement == detail::Agreement::surface ? 1 : 0;
-    if (agreement == detail::Agreement::empty && other.space.seen_through(place.point)) ++seen_through;
+  std::array<SurfacePoint, kSamples> places;
+  std::array<detail::Agreement, kSamples> found;
+  const std::size_t count = samples.size();
+  for (std::size_t i = 0; i < count; ++i) places[i] = detail::placed({pose, 1.0}, samples[i]);
+  other.surfaces.agreements(std::span(places).first(count), std::span(found).first(count));
+  std::size_t empty = 0;
+  for (std::size_t i = 0; i < count; ++i) {
+    agrees[i] = found[i] == detail::Agreement::surface ? 1 : 0;
+    places[empty] = places[i];
+    empty += found[i] == detail::Agreement::empty ? 1U : 0U;
   }
-  return seen_through;
+  return other.space.count_seen_through(std::span(places).first(empty));
 }
 
 /// The weights of the samples that agree, each less the further it is from the surface's plane (Tukey's biweight, of
