@@ -13,6 +13,8 @@
 
 #include <consimd/features/cloud_files.hpp>
 
+#include "text/words.hpp"
+
 namespace consimd::cli {
 namespace {
 
@@ -20,10 +22,8 @@ namespace {
 std::optional<std::size_t> number_after(std::string_view text, std::string_view name, std::size_t most) {
   if (!text.starts_with(name) || text.size() <= name.size() || text[name.size()] != ':') return std::nullopt;
   text.remove_prefix(name.size() + 1);
-  std::size_t value = 0;
-  const auto [rest, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-  if (error != std::errc() || rest != text.data() + text.size() || value < 1 || value > most) return std::nullopt;
-  return value;
+  const auto value = text::number_in<std::size_t>(text);
+  return value && *value >= 1 && *value <= most ? value : std::nullopt;
 }
 
 void choose_keypoints(const std::string& text, features::CloudMatchingOptions& options) {

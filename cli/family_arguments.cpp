@@ -1,27 +1,22 @@
 #include "family_arguments.hpp"
 
-#include <charconv>
 #include <cstddef>
 #include <stdexcept>
 #include <string_view>
-#include <system_error>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
 #include <consimd/synth/problem_families.hpp>
 
+#include "text/words.hpp"
+
 namespace consimd::cli {
 namespace {
 
 std::size_t whole_number_in(std::string_view text) {
-  std::size_t value = 0;
-  const char* end = text.data() + text.size();
-  const auto [rest, error] = std::from_chars(text.data(), end, value);
-  if (error != std::errc() || rest != end) {
-    throw std::invalid_argument(fmt::format("expected a whole number, got '{}'", text));
-  }
-  return value;
+  if (const auto value = text::number_in<std::size_t>(text)) return *value;
+  throw std::invalid_argument(fmt::format("expected a whole number, got '{}'", text));
 }
 
 /// The values of a list "v1,v2,...".

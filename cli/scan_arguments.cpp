@@ -1,15 +1,14 @@
 #include "scan_arguments.hpp"
 
 #include <array>
-#include <charconv>
 #include <stdexcept>
 #include <string_view>
-#include <system_error>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
 #include "option_checks.hpp"
+#include "text/words.hpp"
 
 namespace consimd::cli {
 namespace {
@@ -26,11 +25,9 @@ std::array<double, 2> overlap_of(std::string_view text) {
   const std::string_view words[] = {text.substr(0, colon),
                                     colon == std::string_view::npos ? "" : text.substr(colon + 1)};
   for (std::size_t k = 0; k < 2; ++k) {
-    const std::string_view word = words[k];
-    const auto [rest, error] = std::from_chars(word.data(), word.data() + word.size(), shares[k]);
-    if (error != std::errc() || rest != word.data() + word.size() || word.empty()) {
-      throw std::invalid_argument(fmt::format("--overlap: expected LEAST:MOST, as 0.1:0.3, got '{}'", text));
-    }
+    const auto share = text::number_in<double>(words[k]);
+    if (!share) throw std::invalid_argument(fmt::format("--overlap: expected LEAST:MOST, as 0.1:0.3, got '{}'", text));
+    shares[k] = *share;
   }
   return shares;
 }

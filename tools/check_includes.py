@@ -13,14 +13,15 @@ from pathlib import Path
 
 # A layer is a folder of the project. What it may include of others: <consimd/LAYER/...>, "LAYER/...".
 LAYERS = {
+    "text": "",
     "kernels": "",
     "poses": "kernels",
-    "solvers": "poses kernels",
-    "features": "solvers poses kernels",
-    "synth": "poses kernels",
-    "studies": "features solvers synth poses kernels",
-    "bench": "studies features solvers synth poses kernels",
-    "cli": "studies features solvers synth poses kernels",
+    "solvers": "poses kernels text",
+    "features": "solvers poses kernels text",
+    "synth": "poses kernels text",
+    "studies": "features solvers synth poses kernels text",
+    "bench": "studies features solvers synth poses kernels text",
+    "cli": "studies features solvers synth poses kernels text",
     "python": "studies features solvers synth poses kernels",
     "examples": "studies features solvers synth poses kernels",
     "fuzz": "studies features solvers synth poses kernels",

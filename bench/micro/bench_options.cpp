@@ -1,18 +1,18 @@
 #include "bench_options.hpp"
 
 #include <algorithm>
-#include <charconv>
 #include <cstdint>
 #include <cstdio>
 #include <optional>
 #include <stdexcept>
 #include <string>
 #include <string_view>
-#include <system_error>
 
 #include <benchmark/benchmark.h>
 #include <fmt/format.h>
 #include <fmt/ranges.h>
+
+#include "text/words.hpp"
 
 namespace consimd::bench {
 namespace {
@@ -33,9 +33,8 @@ std::vector<std::string_view> parts_of(std::string_view list) {
 std::vector<std::size_t> numbers_of(std::string_view option, std::string_view list, std::size_t least) {
   std::vector<std::size_t> numbers;
   for (const std::string_view part : parts_of(list)) {
-    std::size_t number = 0;
-    const auto [rest, error] = std::from_chars(part.data(), part.data() + part.size(), number);
-    if (error != std::errc() || rest != part.data() + part.size() || number < least || number > kLargest) {
+    const std::size_t number = text::number_in<std::size_t>(part).value_or(0);
+    if (number < std::max<std::size_t>(least, 1) || number > kLargest) {
       throw std::invalid_argument(fmt::format("{}: expected whole numbers from {} to {}, separated by commas, got '{}'",
                                               option, least, kLargest, part));
     }

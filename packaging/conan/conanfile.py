@@ -32,7 +32,7 @@ class ConsimdRecipe(ConanFile):
         self.version = re.search(r"project\(consimd VERSION ([\d.]+)", lists).group(1)
 
     def export_sources(self):
-        for pattern in ("CMakeLists.txt", "LICENSE", "cmake/*", "kernels/*", "poses/*", "solvers/*", "features/*", "synth/*", "studies/*"):
+        for pattern in ("CMakeLists.txt", "LICENSE", "cmake/*", "text/*", "kernels/*", "poses/*", "solvers/*", "features/*", "synth/*", "studies/*"):
             copy(self, pattern, self._checkout, self.export_sources_folder)
 
     def layout(self):

@@ -13,26 +13,13 @@
 #include <consimd/synth/text_file.hpp>
 
 #include "named_columns.hpp"
+#include "text/words.hpp"
 
 namespace consimd::synth {
 namespace {
 
-constexpr std::string_view kBlanks = " \t\v\f\r";
-// Of files whose commas are all decimal ones.
-constexpr const char* kDecimalPoints = ": write decimal points, as 'tr , . < FILE' does";
-
 [[noreturn]] void fail(const std::filesystem::path& path, std::size_t line, const std::string& what) {
   throw std::runtime_error(shown_name(path) + ":" + std::to_string(line) + ": " + what);
-}
-
-/// A word of the file as an error message may show it: short and printable.
-std::string shown(std::string_view word) {
-  constexpr std::size_t kLongest = 40;
-  std::string text(word.substr(0, kLongest));
-  for (char& c : text) {
-    if (c < ' ' || c > '~') c = '?';
-  }
-  return word.size() > kLongest ? text + "..." : text;
 }
 
 /// Files of two bytes a character have a mark, or zeros in every other byte, which no text of numbers has.
@@ -62,17 +49,15 @@ bool has_decimal_comma(std::string_view word) {
   if (word.find(',', comma + 1) != std::string_view::npos) return false;
   if (kDigits.find(word[comma - 1]) == std::string_view::npos) return false;
   if (kDigits.find(word[comma + 1]) == std::string_view::npos) return false;
-  std::string text(word.substr(word[0] == '+' ? 1 : 0));
-  text[text.find(',')] = '.';
-  double value = 0.0;
-  const auto [rest, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-  return error == std::errc() && rest == text.data() + text.size();
+  std::string plain(word.substr(word[0] == '+' ? 1 : 0));
+  plain[plain.find(',')] = '.';
+  return text::number_in<double>(plain).has_value();
 }
 
 /// What to do with a word that is not a number, where that shows.
 std::string remedy(Word word, char separator) {
   if (has_decimal_comma(word.text)) {
-    return separator == ';' ? kDecimalPoints : ": write a decimal point, not a comma";
+    return separator == ';' ? std::string(": ") + text::kDecimalPoints : ": write a decimal point, not a comma";
   }
   const bool holds_several = word.quoted && word.text.find_first_of(" \t,;") != std::string_view::npos;
   if (holds_several || word.text.find_first_of("\"'") != std::string_view::npos) return ": remove the quotes";
@@ -97,21 +82,13 @@ double parse(Word word, char separator, std::size_t column) {
   double value = 0.0;
   const auto [rest, error] = std::from_chars(first, last, value);
   if (error == std::errc::result_out_of_range) {
-    throw std::invalid_argument("'" + shown(text) + "' is out of a double's range");
+    throw std::invalid_argument("'" + text::shown(text) + "' is out of a double's range");
   }
   if (error != std::errc() || rest != last) {
-    throw std::invalid_argument("'" + shown(text) + "' is not a number" + remedy(word, separator));
+    throw std::invalid_argument("'" + text::shown(text) + "' is not a number" + remedy(word, separator));
   }
-  if (!std::isfinite(value)) throw std::invalid_argument("'" + shown(text) + "' is not finite");
+  if (!std::isfinite(value)) throw std::invalid_argument("'" + text::shown(text) + "' is not finite");
   return value;
-}
-
-bool is_blank(char c) { return c == ' ' || (c >= '\t' && c <= '\r'); }
-
-std::string_view trimmed(std::string_view text) {
-  const std::size_t first = text.find_first_not_of(kBlanks);
-  if (first == std::string_view::npos) return {};
-  return text.substr(first, text.find_last_not_of(kBlanks) - first + 1);
 }
 
 /// How many characters come before the first that `ends`. Of many characters much faster than find_first_of.
@@ -147,14 +124,14 @@ void for_each_word(std::string_view line, char separator, const Use& use) {
     throw std::invalid_argument(std::string("a ") + (separator == ';' ? "semicolon" : "comma") +
                                 " at the end of the line: remove it");
   }
-  const std::string ends = std::string(kBlanks) + separator;
+  const std::string ends = std::string(text::kBlanks) + separator;
   for (;;) {
     const std::size_t quoted = quoted_length(line, ends);
     const std::size_t end = quoted > 0 ? quoted : std::min(line.find_first_of(ends), line.size());
     use(quoted > 0 ? Word{line.substr(1, quoted - 2), true} : Word{line.substr(0, end)});
     if (end == line.size()) return;
-    line = trimmed(line.substr(end));
-    if (line.starts_with(separator)) line = trimmed(line.substr(1));
+    line = text::trimmed(line.substr(end));
+    if (line.starts_with(separator)) line = text::trimmed(line.substr(1));
   }
 }
 
@@ -168,11 +145,11 @@ DecimalCommas decimal_commas_of(std::string_view line) {
   if (line.find(',') == std::string_view::npos) return {};
   DecimalCommas found;
   for (; !line.empty(); ++found.words) {
-    const std::string_view word = line.substr(0, length_until(line, is_blank));
+    const std::string_view word = line.substr(0, length_until(line, text::is_blank));
     const bool decimal = has_decimal_comma(word);
     if (!decimal && word.find_first_of(",;\"") != std::string_view::npos) return {};
     if (decimal && found.first.empty()) found.first = word;
-    line = trimmed(line.substr(word.size()));
+    line = text::trimmed(line.substr(word.size()));
   }
   return found;
 }
@@ -211,10 +188,10 @@ void for_each_name(std::string_view line, const Use& use) {
                                 " at the end of the line: remove it");
   }
   for (bool more = true; more;) {
-    line = trimmed(line);
-    const std::size_t quoted = quoted_length(line, std::string(kBlanks) + separator);
+    line = text::trimmed(line);
+    const std::size_t quoted = quoted_length(line, std::string(text::kBlanks) + separator);
     const std::size_t end = std::min(line.find(separator, quoted), line.size());
-    use(quoted > 0 ? Word{line.substr(1, quoted - 2), true} : Word{trimmed(line.substr(0, end))});
+    use(quoted > 0 ? Word{line.substr(1, quoted - 2), true} : Word{text::trimmed(line.substr(0, end))});
     more = end < line.size();
     line.remove_prefix(more ? end + 1 : end);
   }
@@ -239,26 +216,10 @@ std::vector<std::string> names_of(std::string_view line) {
 /// The same of a comment, which may be anything.
 std::vector<std::string> names_in_comment(std::string_view comment) {
   try {
-    return names_of(trimmed(comment));
+    return names_of(text::trimmed(comment));
   } catch (const std::invalid_argument&) {
     return {};
   }
-}
-
-/// What a trimmed line that begins as comments do has after that.
-std::optional<std::string_view> comment_of(std::string_view line) {
-  for (const std::string_view mark : {"#", "//", "%"}) {
-    if (line.starts_with(mark)) return line.substr(mark.size());
-  }
-  return std::nullopt;
-}
-
-/// A line before a '#' that no word holds, as 1.#INF does.
-std::string_view without_comment(std::string_view line) {
-  for (std::size_t at = line.find('#'); at != std::string_view::npos; at = line.find('#', at + 1)) {
-    if (is_blank(line[at - 1]) || line[at - 1] == ',' || line[at - 1] == ';') return trimmed(line.substr(0, at));
-  }
-  return line;
 }
 
 }  // namespace
@@ -273,14 +234,14 @@ NumberTable read_number_table(const std::filesystem::path& path) {
   if (rest.starts_with("\xEF\xBB\xBF")) rest.remove_prefix(3);
   NumberTable table;
   for (std::size_t number = 1; !rest.empty(); ++number) {
-    std::string_view line = trimmed(take_line(rest));
-    if (const auto comment = comment_of(line)) {
+    std::string_view line = text::trimmed(take_line(rest));
+    if (const auto comment = text::comment_of(line)) {
       if (table.rows() > 0) continue;
       std::vector<std::string> names = names_in_comment(*comment);
       if (columns_by_name(names).kind == NamedColumns::Kind::found) table.comment_names = std::move(names);
       continue;
     }
-    line = without_comment(line);
+    line = text::trimmed(text::without_comment(line));
     if (line.empty() || (number == 1 && line.starts_with("sep="))) continue;
     const std::size_t begin = table.values.size();
     try {
@@ -300,7 +261,7 @@ NumberTable read_number_table(const std::filesystem::path& path) {
     const DecimalCommas commas = decimal_commas_of(line);
     table.words.push_back(commas.words > 0 ? commas.words : table.values.size() - begin);
     if (commas.words > 0 && table.decimal_comma.empty()) {
-      table.decimal_comma = shown(commas.first);
+      table.decimal_comma = text::shown(commas.first);
       table.line_of_comma = number;
     }
   }
@@ -319,7 +280,7 @@ void require_no_decimal_commas(const NumberTable& table, std::size_t columns, co
   const std::size_t words = table.words.front();
   const bool explains = words == columns || (words > columns && !is_even(table));
   if (!explains || std::ranges::any_of(table.words, [&](std::size_t count) { return count != words; })) return;
-  fail(path, table.line_of_comma, "'" + table.decimal_comma + "' has a decimal comma" + kDecimalPoints);
+  fail(path, table.line_of_comma, "'" + table.decimal_comma + "' has a decimal comma: " + text::kDecimalPoints);
 }
 
 void require_columns(const NumberTable& table, std::size_t columns, const std::filesystem::path& path,

@@ -4,4 +4,4 @@
 . "$(dirname "${BASH_SOURCE[0]}")/packages.sh"
 
 # Prints the path of every C++ source.
-cxx_sources() { find "$root"/{kernels,poses,solvers,features,synth,studies,bench,cli,python,examples,fuzz,tests} -name '*.cpp' -o -name '*.hpp'; }
+cxx_sources() { find "$root"/{text,kernels,poses,solvers,features,synth,studies,bench,cli,python,examples,fuzz,tests} -name '*.cpp' -o -name '*.hpp'; }

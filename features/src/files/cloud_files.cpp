@@ -12,6 +12,7 @@
 #include <system_error>
 
 #include "files/records.hpp"
+#include "text/words.hpp"
 
 namespace consimd::features {
 namespace {
@@ -69,7 +70,7 @@ Coordinates read_points(std::string_view bytes, const std::filesystem::path& pat
   if (columns && std::ranges::find(*columns, std::size_t{0}) != columns->end()) {
     throw std::invalid_argument("columns are counted from 1");
   }
-  if (const auto reader = binary_reader(bytes, lower(path.extension().string()))) {
+  if (const auto reader = binary_reader(bytes, text::lower(path.extension().string()))) {
     if (columns) throw FileFault("columns are chosen of text alone");
     return reader(bytes);
   }

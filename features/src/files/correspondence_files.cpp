@@ -2,18 +2,17 @@
 
 #include <algorithm>
 #include <array>
-#include <charconv>
 #include <cmath>
 #include <cstddef>
 #include <optional>
 #include <stdexcept>
 #include <string>
 #include <string_view>
-#include <system_error>
 #include <utility>
 #include <vector>
 
 #include "files/records.hpp"
+#include "text/words.hpp"
 
 namespace consimd::features {
 namespace {
@@ -29,13 +28,13 @@ detail::Coordinates rows_of(const std::filesystem::path& path, const std::option
 }
 
 std::size_t row_number(std::string_view word, std::size_t rows, const char* side) {
-  double value = -1.0;  // 39.0 and 3.9e1 are rows, as NumPy's savetxt writes them
-  const auto [rest, error] = std::from_chars(word.data(), word.data() + word.size(), value);
-  if (error != std::errc() || rest != word.data() + word.size() || !(value >= 0.0) || value != std::floor(value)) {
-    throw detail::FileFault("'" + detail::shown(word) + "' is no row of the " + side + ", a whole number from 0 on");
+  // 39.0 and 3.9e1 are rows, as NumPy's savetxt writes them.
+  const double value = text::number_in<double>(word).value_or(-1.0);
+  if (!(value >= 0.0) || value != std::floor(value)) {
+    throw detail::FileFault("'" + text::shown(word) + "' is no row of the " + side + ", a whole number from 0 on");
   }
   if (value >= static_cast<double>(rows)) {
-    throw detail::FileFault("row " + detail::shown(word) + " of the " + side + ", which has " + std::to_string(rows) +
+    throw detail::FileFault("row " + text::shown(word) + " of the " + side + ", which has " + std::to_string(rows) +
                             ", counted from 0");
   }
   return static_cast<std::size_t>(value);
@@ -48,7 +47,7 @@ std::optional<std::array<std::size_t, 2>> named_sides(const std::vector<std::str
   std::array<std::optional<std::size_t>, 2> found;
   for (std::size_t k = 0; k < words.size(); ++k) {
     for (std::size_t side = 0; side < 2; ++side) {
-      const auto begins = [word = detail::lower(words[k])](std::string_view name) { return word.starts_with(name); };
+      const auto begins = [word = text::lower(words[k])](std::string_view name) { return word.starts_with(name); };
       if (!found[side] && std::ranges::any_of(kNames[side], begins)) found[side] = k;
     }
   }
@@ -99,7 +98,7 @@ MatchedPoints read_indexed_matches(const std::filesystem::path& source, const st
   bool is_first = true;
   for (std::size_t line = 1; !text.empty(); ++line) {
     std::string_view rest = text;
-    const std::optional<std::string_view> comment = detail::comment_of(text.substr(0, text.find('\n')));
+    const std::optional<std::string_view> comment = text::comment_of(text.substr(0, text.find('\n')));
     std::vector<std::string_view> words = detail::take_words(rest);
     text = rest;
     if (comment) {

@@ -1,5 +1,6 @@
 // NumPy's form of an array, versions 1 to 3.
 #include "files/records.hpp"
+#include "text/words.hpp"
 
 namespace consimd::features::detail {
 namespace {
@@ -32,7 +33,7 @@ std::array<std::size_t, 2> shape_of(std::string_view header) {
   }
   const auto fault = [&](const std::string& remedy) {
     return FileFault("an array that is not N x 3 or, of matches, N x 6: its shape is (" +
-                     shown(value_of(header, "shape").substr(1, end - 1)) + ")" + remedy);
+                     text::shown(value_of(header, "shape").substr(1, end - 1)) + ")" + remedy);
   };
   if (sizes.size() != 2 || sizes[1] < 3) throw fault("");
   // Points of x y z, a colour and a normal have nine numbers, and of six points no pose is registered: they lie in
@@ -88,7 +89,7 @@ Array read_array(std::string_view bytes) {
   const bool is_one_type = descr.size() == 3;
   const bool narrow = is_one_type && descr.ends_with("f4");
   if (!narrow && !(is_one_type && descr.ends_with("f8"))) {
-    throw FileFault("an array of '" + shown(descr) + "', expected float32 or float64" +
+    throw FileFault("an array of '" + text::shown(descr) + "', expected float32 or float64" +
                     (descr.starts_with('[') ? ": save one without named fields" : ": save its astype(float)"));
   }
   const auto [count, width] = shape_of(header);

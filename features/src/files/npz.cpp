@@ -3,6 +3,7 @@
 
 #include "files/records.hpp"
 #include "files/zip.hpp"
+#include "text/words.hpp"
 
 namespace consimd::features::detail {
 namespace {
@@ -13,7 +14,8 @@ std::string names_of(const std::vector<ZipEntry>& entries) {
   std::string names;
   for (const ZipEntry& entry : entries) {
     if (!entry.name.ends_with(kEnding)) continue;
-    names.append(names.empty() ? "" : ", ").append(shown(entry.name.substr(0, entry.name.size() - kEnding.size())));
+    names.append(names.empty() ? "" : ", ")
+        .append(text::shown(entry.name.substr(0, entry.name.size() - kEnding.size())));
   }
   return names.empty() ? "no array" : names;
 }
@@ -31,7 +33,7 @@ Coordinates array_of(const ZipEntry& entry) {
     return read_npy(unpacked(entry));
   } catch (const FileFault& fault) {
     const std::string what = fault.what();
-    const std::string name = shown(entry.name);
+    const std::string name = text::shown(entry.name);
     throw FileFault(what.starts_with(name) ? what : name + ": " + what);
   }
 }

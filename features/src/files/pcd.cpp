@@ -2,6 +2,7 @@
 #include <cstring>
 
 #include "files/records.hpp"
+#include "text/words.hpp"
 
 namespace consimd::features::detail {
 namespace {
@@ -55,7 +56,7 @@ NumberType number_type(std::string_view type, std::size_t size) {
   if (type == "U" && size == 1) return NumberType::uint8;
   if (type == "U" && size == 2) return NumberType::uint16;
   if (type == "U" && size == 4) return NumberType::uint32;
-  throw FileFault("header: a coordinate of type " + shown(type) + " and size " + std::to_string(size));
+  throw FileFault("header: a coordinate of type " + text::shown(type) + " and size " + std::to_string(size));
 }
 
 std::size_t number_of_points(const Header& header) {
@@ -158,7 +159,7 @@ Coordinates read_pcd(std::string_view bytes) {
   const std::size_t count = number_of_points(header);
   if (header.data == "binary_compressed") return read_compressed(header, bytes, count);
   if (header.data != "ascii" && header.data != "binary") {
-    throw FileFault("header: DATA '" + shown(header.data) + "', expected ascii, binary or binary_compressed");
+    throw FileFault("header: DATA '" + text::shown(header.data) + "', expected ascii, binary or binary_compressed");
   }
   const Layout layout(header, count, false);
   if (header.data == "binary") {

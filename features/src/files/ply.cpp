@@ -1,5 +1,6 @@
 // The PLY form (Turk, "The PLY polygon file format").
 #include "files/records.hpp"
+#include "text/words.hpp"
 
 namespace consimd::features::detail {
 namespace {
@@ -31,7 +32,7 @@ NumberType number_type(std::string_view name) {
   if (name == "uint" || name == "uint32") return NumberType::uint32;
   if (name == "float" || name == "float32") return NumberType::float32;
   if (name == "double" || name == "float64") return NumberType::float64;
-  throw FileFault("header: a property of type '" + shown(name) + "'");
+  throw FileFault("header: a property of type '" + text::shown(name) + "'");
 }
 
 struct Header {
@@ -71,7 +72,7 @@ Coordinates read_ply(std::string_view bytes) {
   const bool ascii = header.format == "ascii";
   const bool little = header.format == "binary_little_endian";
   if (!ascii && !little && header.format != "binary_big_endian") {
-    throw FileFault("header: format '" + shown(header.format) +
+    throw FileFault("header: format '" + text::shown(header.format) +
                     "', expected ascii, binary_little_endian or binary_big_endian");
   }
   std::size_t before = 0;  // bytes of the elements before the vertices, or lines

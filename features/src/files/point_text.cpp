@@ -7,24 +7,16 @@
 #include <utility>
 
 #include "files/records.hpp"
+#include "text/words.hpp"
 
 namespace consimd::features::detail {
 namespace {
 
-constexpr std::string_view kBlanks = " \t\v\f\r";
 constexpr std::size_t kAll = std::numeric_limits<std::size_t>::max();
 constexpr const char* kChoose = ": say which are x, y and z, counted from 1, as in --columns 2,3,4";
 
-bool is_blank(char c) { return kBlanks.find(c) != std::string_view::npos; }
-
-std::string_view trimmed(std::string_view text) {
-  const std::size_t first = text.find_first_not_of(kBlanks);
-  if (first == std::string_view::npos) return {};
-  return text.substr(first, text.find_last_not_of(kBlanks) - first + 1);
-}
-
-/// NaN, in any spelling, is a number here: a point without a place.
-std::optional<double> number_in(std::string_view word) {
+/// A number, also one that is none, NaN in any spelling: a point without a place.
+std::optional<double> coordinate_in(std::string_view word) {
   if (word.starts_with('+')) word.remove_prefix(1);
   double value = 0.0;
   const auto [rest, error] = std::from_chars(word.data(), word.data() + word.size(), value);
@@ -34,8 +26,8 @@ std::optional<double> number_in(std::string_view word) {
 }
 
 double parse_number(std::string_view word) {
-  if (const auto value = number_in(word)) return *value;
-  throw FileFault("'" + shown(word) + "' is not a number");
+  if (const auto value = coordinate_in(word)) return *value;
+  throw FileFault("'" + text::shown(word) + "' is not a number");
 }
 
 /// What separates the words of a line: a semicolon or comma where it has any, else a tab where `tabs` says so, else
@@ -58,19 +50,19 @@ std::size_t quoted_length(std::string_view line) {
 template <typename Use>
 std::size_t split(std::string_view line, char separator, std::size_t last, const Use& use) {
   std::size_t count = 0;
-  if (separator != '\t') line = trimmed(line);
+  if (separator != '\t') line = text::trimmed(line);
   if (line.empty()) return 0;
   for (bool more = true; more && count <= last; ++count) {
-    const std::size_t begin = separator == '\t' ? 0 : std::min(line.find_first_not_of(kBlanks), line.size());
+    const std::size_t begin = separator == '\t' ? 0 : std::min(line.find_first_not_of(text::kBlanks), line.size());
     line.remove_prefix(begin);
     const std::size_t quoted = quoted_length(line);
     std::size_t end = quoted;
-    while (end < line.size() && (separator == ' ' ? !is_blank(line[end]) : line[end] != separator)) ++end;
-    const std::string_view word = trimmed(line.substr(0, end));
+    while (end < line.size() && (separator == ' ' ? !text::is_blank(line[end]) : line[end] != separator)) ++end;
+    const std::string_view word = text::trimmed(line.substr(0, end));
     use(count, word.size() > 1 && word.size() == quoted ? word.substr(1, quoted - 2) : word);
     more = end < line.size();
     line.remove_prefix(more ? end + 1 : end);
-    if (separator == ' ') more = more && line.find_first_not_of(kBlanks) != std::string_view::npos;
+    if (separator == ' ') more = more && line.find_first_not_of(text::kBlanks) != std::string_view::npos;
   }
   return count;
 }
@@ -82,27 +74,18 @@ std::string_view next_line(std::string_view& text) {
   return line;
 }
 
-/// Before a '#' that no word holds, as 1.#INF does.
-std::string_view without_comment(std::string_view line) {
-  if (comment_of(line)) return {};
-  for (std::size_t at = line.find('#'); at != std::string_view::npos; at = line.find('#', at + 1)) {
-    if (is_blank(line[at - 1]) || line[at - 1] == ',' || line[at - 1] == ';') return line.substr(0, at);
-  }
-  return line;
-}
-
 /// The names of a line, in small letters, without units in brackets or behind a slash.
 std::vector<std::string> names_of(std::string_view line, char separator) {
   std::string plain;
   int depth = 0;
-  for (const char c : lower(line)) {
+  for (const char c : text::lower(line)) {
     if (c == '(' || c == '[') ++depth;
     if (depth == 0) plain += c;
     if ((c == ')' || c == ']') && depth > 0) --depth;
   }
   std::vector<std::string> names;
   split(plain, separator, kAll,
-        [&](std::size_t, std::string_view word) { names.emplace_back(trimmed(word.substr(0, word.find('/')))); });
+        [&](std::size_t, std::string_view word) { names.emplace_back(text::trimmed(word.substr(0, word.find('/')))); });
   return names;
 }
 
@@ -158,25 +141,23 @@ struct Heading {
 
 /// Takes one more line into the heading, unless points or names begin there.
 bool take_heading(std::string_view line, Heading& heading) {
-  if (const auto comment = comment_of(line)) {
+  if (const auto comment = text::comment_of(line)) {
     const char separator = separator_of(*comment, true);
     std::vector<std::string> names = names_of(*comment, separator);
     if (named_columns(names)) heading.commented = {std::move(names), separator != ' '};
     return true;
   }
-  line = trimmed(line);
-  if (line.empty() || (line.size() == 5 && lower(line).starts_with("sep="))) return true;
-  std::size_t value = 0;
-  const auto [rest, error] = std::from_chars(line.data(), line.data() + line.size(), value);
-  if (heading.points || error != std::errc() || rest != line.data() + line.size()) return false;
-  heading.points = value;
-  return true;
+  line = text::trimmed(line);
+  if (line.empty() || (line.size() == 5 && text::lower(line).starts_with("sep="))) return true;
+  if (heading.points) return false;
+  heading.points = text::number_in<std::size_t>(line);
+  return heading.points.has_value();
 }
 
 /// The words of a line; an empty one behind a last separator is none.
 std::vector<std::string_view> words_in(std::string_view line, bool tabs) {
   std::vector<std::string_view> words;
-  line = without_comment(line);
+  line = text::without_comment(line);
   split(line, separator_of(line, tabs), kAll, [&](std::size_t, std::string_view word) { words.push_back(word); });
   if (!words.empty() && words.back().empty()) words.pop_back();
   return words;
@@ -185,9 +166,9 @@ std::vector<std::string_view> words_in(std::string_view line, bool tabs) {
 /// Whether rows have names of their own, which the names of the columns do not count: first words that are no number,
 /// or count from 0 or 1.
 bool are_named(const std::vector<std::string_view>& first, const std::vector<std::string_view>& second) {
-  const std::optional<double> number = number_in(first[0]);
+  const std::optional<double> number = coordinate_in(first[0]);
   if (!number) return true;
-  return (*number == 0.0 || *number == 1.0) && (second.empty() || number_in(second[0]) == *number + 1.0);
+  return (*number == 0.0 || *number == 1.0) && (second.empty() || coordinate_in(second[0]) == *number + 1.0);
 }
 
 /// Columns that a line of names tells, held against the words of the first two points.
@@ -236,7 +217,7 @@ bool has_decimal_comma(std::string_view word) {
   if (comma == std::string_view::npos || comma == 0 || comma + 1 == word.size()) return false;
   std::string plain(word);
   plain[comma] = '.';
-  return number_in(plain).has_value();
+  return coordinate_in(plain).has_value();
 }
 
 /// What a line's commas make of it where they are decimal ones, in words between semicolons or where blanks separate
@@ -247,9 +228,9 @@ std::string told_of(std::string_view line, const std::string& what) {
   bool some = false;
   split(line, semicolons ? ';' : ' ', kAll, [&](std::size_t, std::string_view word) {
     some = some || has_decimal_comma(word);
-    all = all && (has_decimal_comma(word) || number_in(word));
+    all = all && (has_decimal_comma(word) || coordinate_in(word));
   });
-  return some && (all || semicolons) ? "decimal commas: write decimal points, as 'tr , . < FILE' does" : what;
+  return some && (all || semicolons) ? std::string("decimal commas: ") + text::kDecimalPoints : what;
 }
 
 Coordinates lines_of_points(std::string_view text, const Columns& columns, std::size_t count, std::size_t before,
@@ -257,8 +238,8 @@ Coordinates lines_of_points(std::string_view text, const Columns& columns, std::
   const std::size_t last = std::ranges::max(columns);
   Coordinates points;
   for (std::size_t number = before + 1; !text.empty() && points.size() < count; ++number) {
-    const std::string_view line = without_comment(next_line(text));
-    if (trimmed(line).empty()) continue;
+    const std::string_view line = text::without_comment(next_line(text));
+    if (text::trimmed(line).empty()) continue;
     try {
       std::array<double, 3> point{};
       const std::size_t words = split(line, separator_of(line, tabs), last, [&](std::size_t k, std::string_view word) {
@@ -279,13 +260,6 @@ Coordinates lines_of_points(std::string_view text, const Columns& columns, std::
 
 }  // namespace
 
-std::string lower(std::string_view word) {
-  std::string text(word);
-  std::ranges::transform(text, text.begin(),
-                         [](char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c; });
-  return text;
-}
-
 std::optional<std::string> with_line_feeds(std::string_view text) {
   std::optional<std::string> lines;
   for (std::size_t at = text.find('\r'); at != std::string_view::npos; at = text.find('\r', at + 1)) {
@@ -294,14 +268,6 @@ std::optional<std::string> with_line_feeds(std::string_view text) {
     (*lines)[at] = '\n';
   }
   return lines;
-}
-
-std::optional<std::string_view> comment_of(std::string_view line) {
-  while (!line.empty() && is_blank(line.front())) line.remove_prefix(1);
-  for (const std::string_view mark : {"#", "//", "%"}) {
-    if (line.starts_with(mark)) return line.substr(mark.size());
-  }
-  return std::nullopt;
 }
 
 std::vector<std::string_view> take_line(std::string_view& text) {
@@ -336,14 +302,14 @@ Coordinates read_point_text(std::string_view text, const std::optional<Columns>&
   std::vector<std::string_view> words = words_in(line, false);
   const bool numbers = std::ranges::all_of(
       words.begin(), words.begin() + static_cast<std::ptrdiff_t>(std::min<std::size_t>(words.size(), 3)),
-      [](std::string_view word) { return number_in(word).has_value(); });
+      [](std::string_view word) { return coordinate_in(word).has_value(); });
   const std::vector<std::string> names =
       numbers ? std::vector<std::string>() : names_of(line, separator_of(line, true));
   const std::optional<Columns> named = named_columns(names);
   try {
     if (chosen) {
       // A first line without a number has the names.
-      if (std::ranges::none_of(words, [](std::string_view word) { return number_in(word).has_value(); })) {
+      if (std::ranges::none_of(words, [](std::string_view word) { return coordinate_in(word).has_value(); })) {
         ++heading.lines;
         text = rest;
       }
@@ -372,8 +338,8 @@ Coordinates read_point_text(std::string_view text, const std::optional<Columns>&
     throw fault(mismatch.what());
   }
   if (!numbers && !told) {
-    throw fault(told_of(without_comment(line),
-                        "neither numbers nor a line of names with x, y and z: '" + shown(line) + "'" + kChoose));
+    throw fault(told_of(text::without_comment(line),
+                        "neither numbers nor a line of names with x, y and z: '" + text::shown(line) + "'" + kChoose));
   }
   Coordinates points = lines_of_points(text, columns, kAll, heading.lines, tabs);
   if (!told && words.size() > 3 && count_rows(points)) {

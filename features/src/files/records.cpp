@@ -1,9 +1,10 @@
 #include "files/records.hpp"
 
 #include <algorithm>
-#include <charconv>
 #include <cstring>
 #include <limits>
+
+#include "text/words.hpp"
 
 namespace consimd::features::detail {
 namespace {
@@ -82,19 +83,9 @@ Coordinates read_columns(std::string_view bytes, const std::array<Column, 3>& co
   return points;
 }
 
-std::string shown(std::string_view word) {
-  constexpr std::size_t kLongest = 40;
-  std::string text(word.substr(0, kLongest));
-  std::replace_if(
-      text.begin(), text.end(), [](char c) { return c < ' ' || c > '~'; }, '?');
-  return word.size() > kLongest ? text + "..." : text;
-}
-
 std::size_t parse_count(std::string_view word, std::string_view of) {
-  std::size_t value = 0;
-  const auto [rest, error] = std::from_chars(word.data(), word.data() + word.size(), value);
-  if (error == std::errc() && rest == word.data() + word.size()) return value;
-  throw FileFault("header: " + std::string(of) + " is '" + shown(word) + "', expected a whole number");
+  if (const auto value = text::number_in<std::size_t>(word)) return *value;
+  throw FileFault("header: " + std::string(of) + " is '" + text::shown(word) + "', expected a whole number");
 }
 
 Coordinates read_kitti(std::string_view bytes) {

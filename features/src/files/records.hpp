@@ -42,20 +42,11 @@ struct Column {
 /// Throws FileFault unless `bytes` hold that many records of `size` bytes.
 void require_records(std::string_view bytes, std::size_t count, std::size_t size);
 
-/// A word of the file as an error message may show it: short and printable.
-[[nodiscard]] std::string shown(std::string_view word);
-
 /// A whole number. Throws FileFault that says what it is of.
 [[nodiscard]] std::size_t parse_count(std::string_view word, std::string_view of);
 
-/// The word in small letters of ASCII.
-[[nodiscard]] std::string lower(std::string_view word);
-
 /// Ends of lines as old Macs wrote them, alone or among others, as line feeds; nothing where there is none.
 [[nodiscard]] std::optional<std::string> with_line_feeds(std::string_view text);
-
-/// What a line that begins as comments do, with '#', '//' or '%', has after that.
-[[nodiscard]] std::optional<std::string_view> comment_of(std::string_view line);
 
 /// The words of a line, between blanks, and the line itself taken off the text.
 [[nodiscard]] std::vector<std::string_view> take_line(std::string_view& text);

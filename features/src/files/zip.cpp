@@ -9,6 +9,7 @@
 #include <new>
 
 #include "files/records.hpp"
+#include "text/words.hpp"
 
 namespace consimd::features::detail {
 namespace {
@@ -94,11 +95,11 @@ std::vector<ZipEntry> zip_entries(std::string_view bytes) {
     const std::uint32_t size = number(entry, 24, 4);
     const std::uint32_t offset = number(entry, 42, 4);
     if (packed == kLarge || size == kLarge || offset == kLarge) {
-      throw FileFault(shown(name) + " of more than 4 GiB, which is not read");
+      throw FileFault(text::shown(name) + " of more than 4 GiB, which is not read");
     }
-    if ((number(entry, 8, 2) & 1U) != 0) throw FileFault(shown(name) + " is encrypted");
+    if ((number(entry, 8, 2) & 1U) != 0) throw FileFault(text::shown(name) + " is encrypted");
     if (method != 0 && method != 8) {
-      throw FileFault(shown(name) + " is compressed by method " + std::to_string(method) +
+      throw FileFault(text::shown(name) + " is compressed by method " + std::to_string(method) +
                       ", expected stored or deflated");
     }
     if (method == 0 && packed != size) throw FileFault("a ZIP archive with a damaged directory");
@@ -118,7 +119,7 @@ std::string unpacked(const ZipEntry& entry) {
       throw FileFault("its checksum is another one");
     return contents;
   } catch (const FileFault& fault) {
-    throw FileFault(shown(entry.name) + ": " + fault.what());
+    throw FileFault(text::shown(entry.name) + ": " + fault.what());
   }
 }
 

@@ -6,7 +6,8 @@
 #include <cmath>
 #include <optional>
 #include <stdexcept>
-#include <system_error>
+
+#include "text/words.hpp"
 
 namespace consimd {
 namespace {
@@ -20,14 +21,6 @@ std::string shortest(Number value) {
   std::array<char, 32> digits{};
   const std::to_chars_result end = std::to_chars(digits.data(), digits.data() + digits.size(), value);
   return {digits.data(), end.ptr};
-}
-
-template <typename Number>
-std::optional<Number> number_from(std::string_view text) {
-  Number value{};
-  const auto [rest, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-  if (error != std::errc() || rest != text.data() + text.size()) return std::nullopt;
-  return value;
 }
 
 [[noreturn]] void reject(const SolverOption& option, const std::string& value) {
@@ -86,11 +79,11 @@ std::optional<OptionValue> value_from(const TruthRange& /*range*/, std::string_v
 }
 
 std::optional<OptionValue> value_from(const WholeRange& /*range*/, std::string_view text) {
-  return number_from<std::uint64_t>(text);
+  return text::number_in<std::uint64_t>(text);
 }
 
 std::optional<OptionValue> value_from(const RealRange& /*range*/, std::string_view text) {
-  return number_from<double>(text);
+  return text::number_in<double>(text);
 }
 
 std::optional<OptionValue> value_from(const NameRange& /*range*/, std::string_view text) { return std::string(text); }

@@ -1,11 +1,9 @@
 #include "compare/comparison_summary.hpp"
 
-#include <charconv>
 #include <cmath>
 #include <limits>
 #include <map>
 #include <stdexcept>
-#include <system_error>
 #include <utility>
 
 #include <fmt/format.h>
@@ -14,6 +12,7 @@
 #include <consimd/studies/method.hpp>
 #include "files/digest.hpp"
 #include "provenance/run_json.hpp"
+#include "text/words.hpp"
 
 namespace consimd::studies::detail {
 namespace {
@@ -138,9 +137,7 @@ std::vector<std::string> parts(const Json& options, const char* key) {
 
 template <typename Number>
 Number number_in(std::string_view text, std::string_view what) {
-  Number value{};
-  const auto [rest, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-  if (error == std::errc() && rest == text.data() + text.size()) return value;
+  if (const auto value = text::number_in<Number>(text)) return *value;
   throw std::invalid_argument(fmt::format("not the summary of a comparison: bad {}", what));
 }
 

@@ -1,12 +1,10 @@
 #include <consimd/studies/method.hpp>
 
 #include <algorithm>
-#include <charconv>
 #include <chrono>
 #include <numeric>
 #include <optional>
 #include <stdexcept>
-#include <system_error>
 #include <utility>
 
 #include <fmt/format.h>
@@ -18,6 +16,8 @@
 #include <consimd/solvers/solver.hpp>
 #include <consimd/solvers/three_point_ransac.hpp>
 #include <consimd/solvers/two_point_ransac.hpp>
+
+#include "text/words.hpp"
 
 namespace consimd::studies {
 namespace {
@@ -82,9 +82,8 @@ Outcome run_stages(const std::vector<std::string_view>& stages, const Correspond
 std::optional<std::uint32_t> plain_ransac_iterations(std::string_view name) {
   if (!name.starts_with(kPlainRansacPrefix)) return std::nullopt;
   name.remove_prefix(kPlainRansacPrefix.size());
-  std::uint32_t iterations = 0;
-  const auto [rest, error] = std::from_chars(name.data(), name.data() + name.size(), iterations);
-  if (error != std::errc() || rest != name.data() + name.size() || iterations == 0) {
+  const auto iterations = text::number_in<std::uint32_t>(name);
+  if (!iterations || *iterations == 0) {
     throw std::invalid_argument(fmt::format("'{}' is not a number of iterations", name));
   }
   return iterations;

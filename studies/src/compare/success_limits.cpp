@@ -1,14 +1,14 @@
 #include <consimd/studies/success_limits.hpp>
 
 #include <algorithm>
-#include <charconv>
 #include <cmath>
 #include <stdexcept>
-#include <system_error>
 
 #include <Eigen/Geometry>
 
 #include <fmt/format.h>
+
+#include "text/words.hpp"
 
 namespace consimd::studies {
 namespace {
@@ -33,9 +33,8 @@ std::optional<PoseLimits> own_limits(std::string_view text) {
   const std::size_t comma = text.find(',');
   if (comma == std::string_view::npos) return std::nullopt;
   const auto number = [](std::string_view word) {
-    double value = 0.0;
-    const auto [rest, error] = std::from_chars(word.data(), word.data() + word.size(), value);
-    return error == std::errc() && rest == word.data() + word.size() && std::isfinite(value) ? value : 0.0;
+    const double value = text::number_in<double>(word).value_or(0.0);
+    return std::isfinite(value) ? value : 0.0;
   };
   const PoseLimits limits{number(text.substr(0, comma)), number(text.substr(comma + 1))};
   return limits.rotation_deg > 0.0 && limits.translation > 0.0 ? std::optional(limits) : std::nullopt;

@@ -1,17 +1,17 @@
 // Rows of a study's tables as lines of text, and back.
 #pragma once
 
-#include <charconv>
 #include <iterator>
 #include <stdexcept>
 #include <string>
 #include <string_view>
-#include <system_error>
 #include <type_traits>
 
 #include <fmt/format.h>
 
 #include <consimd/studies/table_columns.hpp>
+
+#include "text/words.hpp"
 
 namespace consimd::studies {
 
@@ -29,9 +29,9 @@ class CsvFields {
   template <typename Number>
   void take(Number& value) {
     const std::string_view field = text();
-    const char* end = field.data() + field.size();
-    const auto [rest, error] = std::from_chars(field.data(), end, value);
-    if (error != std::errc() || rest != end) throw std::invalid_argument(fmt::format("bad value '{}'", field));
+    const auto number = text::number_in<Number>(field);
+    if (!number) throw std::invalid_argument(fmt::format("bad value '{}'", field));
+    value = *number;
   }
 
   void finish() const {

@@ -1,12 +1,12 @@
 #include "outside/reply_text.hpp"
 
-#include <charconv>
 #include <cmath>
 #include <stdexcept>
-#include <system_error>
 #include <vector>
 
 #include <fmt/format.h>
+
+#include "text/words.hpp"
 
 namespace consimd::studies {
 namespace {
@@ -27,13 +27,10 @@ std::vector<std::string_view> words_of(std::string_view line) {
 }
 
 double number(std::string_view word) {
-  double value = 0.0;
-  const auto [rest, error] = std::from_chars(word.data(), word.data() + word.size(), value);
-  if (error != std::errc() || rest != word.data() + word.size()) {
-    throw std::invalid_argument(fmt::format("{} is no number", shown_text(word)));
-  }
-  if (!std::isfinite(value)) throw std::invalid_argument(fmt::format("{} is not finite", shown_text(word)));
-  return value;
+  const auto value = text::number_in<double>(word);
+  if (!value) throw std::invalid_argument(fmt::format("{} is no number", shown_text(word)));
+  if (!std::isfinite(*value)) throw std::invalid_argument(fmt::format("{} is not finite", shown_text(word)));
+  return *value;
 }
 
 /// The time that the last two words tell, which are taken away.

@@ -1,6 +1,5 @@
 // KITTI odometry (Geiger, Lenz, Urtasun, CVPR 2012) as its site gives it.
 #include <algorithm>
-#include <charconv>
 #include <cmath>
 #include <limits>
 #include <map>
@@ -14,6 +13,7 @@
 
 #include "scans/layouts.hpp"
 #include "scans/text_rows.hpp"
+#include "text/words.hpp"
 
 namespace consimd::studies::detail {
 namespace fs = std::filesystem;
@@ -43,10 +43,9 @@ std::map<std::uint32_t, fs::path> scans_in(const fs::path& folder) {
   }
   for (fs::path& path : files_in(folder)) {
     const std::string stem = path.stem().string();
-    std::uint32_t frame = 0;
-    const auto [rest, error] = std::from_chars(stem.data(), stem.data() + stem.size(), frame);
-    if (path.extension() != ".bin" || error != std::errc() || rest != stem.data() + stem.size()) continue;
-    scans.emplace(frame, std::move(path));
+    const auto frame = text::number_in<std::uint32_t>(stem);
+    if (path.extension() != ".bin" || !frame) continue;
+    scans.emplace(*frame, std::move(path));
   }
   if (scans.empty()) throw std::runtime_error(fmt::format("{}: holds no scan NNNNNN.bin", folder.string()));
   return scans;

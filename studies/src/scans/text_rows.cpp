@@ -1,10 +1,8 @@
 #include "scans/text_rows.hpp"
 
 #include <algorithm>
-#include <charconv>
 #include <cmath>
 #include <stdexcept>
-#include <system_error>
 #include <utility>
 
 #include <Eigen/Core>
@@ -14,23 +12,17 @@
 #include <consimd/synth/problem_files.hpp>
 #include <consimd/synth/text_file.hpp>
 
+#include "text/words.hpp"
+
 namespace consimd::studies {
 namespace {
 
-constexpr std::string_view kBlanks = " \t\r";
-
-std::string_view trimmed(std::string_view text) {
-  const std::size_t begin = text.find_first_not_of(kBlanks);
-  if (begin == std::string_view::npos) return {};
-  return text.substr(begin, text.find_last_not_of(kBlanks) - begin + 1);
-}
-
 std::vector<std::string> words_of(std::string_view line, std::string_view separators) {
   std::vector<std::string> words;
-  const bool may_be_empty = separators.find_first_not_of(kBlanks) != std::string_view::npos;
+  const bool may_be_empty = separators.find_first_not_of(text::kBlanks) != std::string_view::npos;
   for (;;) {
     const std::size_t end = line.find_first_of(separators);
-    const std::string_view word = trimmed(line.substr(0, end));
+    const std::string_view word = text::trimmed(line.substr(0, end));
     if (!word.empty() || may_be_empty) words.emplace_back(word);
     if (end == std::string_view::npos) return words;
     line.remove_prefix(end + 1);
@@ -40,8 +32,9 @@ std::vector<std::string> words_of(std::string_view line, std::string_view separa
 template <typename Number>
 bool parse(std::string_view text, Number& number) {
   if (text.starts_with('+')) text.remove_prefix(1);
-  const auto [rest, error] = std::from_chars(text.data(), text.data() + text.size(), number);
-  return error == std::errc() && rest == text.data() + text.size();
+  const auto value = text::number_in<Number>(text);
+  number = value.value_or(number);
+  return value.has_value();
 }
 
 }  // namespace
@@ -53,7 +46,7 @@ TextRows::TextRows(std::filesystem::path path, std::string_view separators) : pa
   for (std::size_t number = 1; !rest.empty(); ++number) {
     const std::string_view line = rest.substr(0, rest.find('\n'));
     rest.remove_prefix(std::min(rest.size(), line.size() + 1));
-    const std::string_view content = trimmed(line.substr(0, line.find('#')));
+    const std::string_view content = text::trimmed(line.substr(0, line.find('#')));
     if (!content.empty()) rows_.push_back({number, words_of(content, separators)});
   }
 }

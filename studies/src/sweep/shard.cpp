@@ -1,14 +1,14 @@
 #include <consimd/studies/shard.hpp>
 
 #include <algorithm>
-#include <charconv>
 #include <optional>
 #include <stdexcept>
-#include <system_error>
 #include <vector>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
+
+#include "text/words.hpp"
 
 namespace consimd::studies {
 namespace {
@@ -21,14 +21,6 @@ constexpr Launcher kLaunchers[] = {{kArray, "SLURM_ARRAY_TASK_ID", "SLURM_ARRAY_
                                    {"openmpi", "OMPI_COMM_WORLD_RANK", "OMPI_COMM_WORLD_SIZE"},
                                    {"pmi", "PMI_RANK", "PMI_SIZE"},
                                    {kStep, "SLURM_PROCID", "SLURM_NTASKS"}};
-
-std::optional<std::uint32_t> whole_number(std::string_view text) {
-  std::uint32_t value = 0;
-  const char* end = text.data() + text.size();
-  const auto [rest, error] = std::from_chars(text.data(), end, value);
-  if (error != std::errc() || rest != end) return std::nullopt;
-  return value;
-}
 
 class LauncherVariables {
  public:
@@ -62,7 +54,7 @@ class LauncherVariables {
 
  private:
   [[nodiscard]] std::uint32_t number(std::string_view name) const {
-    const std::optional<std::uint32_t> value = whole_number(text(name));
+    const std::optional<std::uint32_t> value = text::number_in<std::uint32_t>(text(name));
     if (!value) throw std::invalid_argument(fmt::format("{}: '{}' is not a whole number", name, text(name)));
     return *value;
   }
@@ -117,8 +109,9 @@ std::string to_string(const Shard& shard) { return fmt::format("{}/{}", shard.in
 
 Shard parse_shard(std::string_view text) {
   const std::size_t slash = std::min(text.find('/'), text.size());
-  const std::optional<std::uint32_t> index = whole_number(text.substr(0, slash));
-  const std::optional<std::uint32_t> count = whole_number(text.substr(std::min(slash + 1, text.size())));
+  const std::optional<std::uint32_t> index = text::number_in<std::uint32_t>(text.substr(0, slash));
+  const std::optional<std::uint32_t> count =
+      text::number_in<std::uint32_t>(text.substr(std::min(slash + 1, text.size())));
   if (!index || !count || *index < 1 || *index > *count || *count > kMostShards) {
     throw std::invalid_argument(fmt::format(
         "expected K/N, the K-th of N parts with K from 1 to N and N up to {}, got '{}'", kMostShards, text));

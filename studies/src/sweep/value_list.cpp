@@ -1,13 +1,13 @@
 #include <consimd/studies/value_list.hpp>
 
-#include <charconv>
 #include <cmath>
 #include <cstdint>
 #include <stdexcept>
 #include <string>
-#include <system_error>
 
 #include <fmt/format.h>
+
+#include "text/words.hpp"
 
 namespace consimd::studies {
 namespace {
@@ -25,14 +25,8 @@ std::vector<std::string_view> split(std::string_view text, char separator) {
 }
 
 std::vector<double> evenly_spaced(std::string_view text, const std::vector<std::string_view>& parts) {
-  std::uint32_t count = 0;
-  bool valid = parts.size() == 3;
-  if (valid) {
-    const char* end = parts[2].data() + parts[2].size();
-    const auto [rest, error] = std::from_chars(parts[2].data(), end, count);
-    valid = error == std::errc() && rest == end && count >= 2 && count <= kMostValues;
-  }
-  if (!valid) {
+  const std::uint32_t count = parts.size() == 3 ? text::number_in<std::uint32_t>(parts[2]).value_or(0) : 0;
+  if (count < 2 || count > kMostValues) {
     throw std::invalid_argument(
         fmt::format("'{}': expected start:end:count with a count from 2 to {}", text, kMostValues));
   }
@@ -51,13 +45,9 @@ std::vector<double> evenly_spaced(std::string_view text, const std::vector<std::
 }  // namespace
 
 double parse_number(std::string_view text) {
-  double value = 0.0;
-  const char* end = text.data() + text.size();
-  const auto [rest, error] = std::from_chars(text.data(), end, value);
-  if (error != std::errc() || rest != end || !std::isfinite(value)) {
-    throw std::invalid_argument(fmt::format("'{}' is not a finite number", text));
-  }
-  return value;
+  const auto value = text::number_in<double>(text);
+  if (!value || !std::isfinite(*value)) throw std::invalid_argument(fmt::format("'{}' is not a finite number", text));
+  return *value;
 }
 
 std::vector<double> parse_value_list(std::string_view text) {

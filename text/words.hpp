@@ -1,0 +1,74 @@
+// Lines, words and numbers of text, as all readers of files and arguments take them apart. Not installed.
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <charconv>
+#include <cstddef>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <system_error>
+
+namespace consimd::text {
+
+/// What separates words within a line.
+inline constexpr std::string_view kBlanks = " \t\v\f\r";
+
+[[nodiscard]] inline bool is_blank(char c) noexcept { return kBlanks.find(c) != std::string_view::npos; }
+
+/// Without the blanks around it.
+[[nodiscard]] inline std::string_view trimmed(std::string_view text) noexcept {
+  const std::size_t first = text.find_first_not_of(kBlanks);
+  if (first == std::string_view::npos) return {};
+  return text.substr(first, text.find_last_not_of(kBlanks) - first + 1);
+}
+
+/// The number that the whole text is, within the range of its type.
+template <typename Number>
+[[nodiscard]] std::optional<Number> number_in(std::string_view text) noexcept {
+  Number value{};
+  const auto [rest, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+  if (error != std::errc() || rest != text.data() + text.size()) return std::nullopt;
+  return value;
+}
+
+/// In small letters of ASCII.
+[[nodiscard]] inline std::string lower(std::string_view word) {
+  std::string small(word);
+  std::ranges::transform(small, small.begin(),
+                         [](char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c; });
+  return small;
+}
+
+/// A word of a file as an error message may show it: short and printable.
+[[nodiscard]] inline std::string shown(std::string_view word) {
+  constexpr std::size_t kLongest = 40;
+  std::string printable(word.substr(0, kLongest));
+  std::ranges::replace_if(
+      printable, [](char c) { return c < ' ' || c > '~'; }, '?');
+  return word.size() > kLongest ? printable + "..." : printable;
+}
+
+/// What a line that begins as comments do, with '#', '//' or '%', has after that.
+[[nodiscard]] inline std::optional<std::string_view> comment_of(std::string_view line) noexcept {
+  line = trimmed(line);
+  for (const std::string_view mark : {"#", "//", "%"}) {
+    if (line.starts_with(mark)) return line.substr(mark.size());
+  }
+  return std::nullopt;
+}
+
+/// Nothing of a comment; of another line what comes before a '#' that no word holds, as 1.#INF does.
+[[nodiscard]] inline std::string_view without_comment(std::string_view line) noexcept {
+  if (comment_of(line)) return {};
+  for (std::size_t at = line.find('#'); at != std::string_view::npos; at = line.find('#', at + 1)) {
+    if (is_blank(line[at - 1]) || line[at - 1] == ',' || line[at - 1] == ';') return line.substr(0, at);
+  }
+  return line;
+}
+
+/// Of files whose commas are all decimal ones.
+inline constexpr const char* kDecimalPoints = "write decimal points, as 'tr , . < FILE' does";
+
+}  // namespace consimd::text
