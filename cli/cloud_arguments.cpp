@@ -70,7 +70,32 @@ Viewpoint cloud_viewpoint(const char* option, const std::optional<std::string>& 
   throw std::invalid_argument(fmt::format("{}: expected X,Y,Z or none, got '{}'", option, *text));
 }
 
+/// Whole numbers from 1 on, between commas, each three of them of one point: different ones; none of other text.
+std::vector<std::size_t> columns_in(std::string_view list) {
+  constexpr std::size_t kMost = 1'000'000;
+  std::vector<std::size_t> columns;
+  for (;;) {
+    const std::size_t comma = list.find(',');
+    const std::size_t column = text::number_in<std::size_t>(list.substr(0, comma)).value_or(0);
+    const std::size_t of_point = columns.size() % 3;
+    const bool is_there =
+        std::find(columns.end() - static_cast<std::ptrdiff_t>(of_point), columns.end(), column) != columns.end();
+    if (column < 1 || column > kMost || is_there) return {};
+    columns.push_back(column);
+    if (comma == std::string_view::npos) return columns;
+    list.remove_prefix(comma + 1);
+  }
+}
+
 }  // namespace
+
+std::vector<std::size_t> row_columns_of(const CloudArguments& arguments) {
+  if (arguments.columns.empty()) return {};
+  std::vector<std::size_t> columns = columns_in(arguments.columns);
+  if (columns.size() == 6) return columns;
+  throw std::invalid_argument(
+      fmt::format("--columns: expected six columns counted from 1, as in 2,3,4,5,6,7, got '{}'", arguments.columns));
+}
 
 Viewpoint source_viewpoint_of(const CloudArguments& arguments) {
   return cloud_viewpoint("--source-viewpoint", arguments.source_viewpoint);
@@ -90,11 +115,13 @@ Viewpoint row_viewpoint_of(const CloudArguments& arguments) {
 }
 
 std::optional<features::PairColumns> pair_columns_of(const CloudArguments& arguments) {
-  const std::vector<std::size_t>& chosen = arguments.columns;
-  if (chosen.empty()) return std::nullopt;
-  if ((chosen.size() != 3 && chosen.size() != 6) || std::ranges::find(chosen, 0U) != chosen.end()) {
+  if (arguments.columns.empty()) return std::nullopt;
+  const std::vector<std::size_t> chosen = columns_in(arguments.columns);
+  if (chosen.size() != 3 && chosen.size() != 6) {
     throw std::invalid_argument(
-        "--columns: expected three columns of both clouds counted from 1, as in 2,3,4, or six, three of each");
+        fmt::format("--columns: expected three columns of both clouds counted from 1, as in 2,3,4, or six, three of "
+                    "each, got '{}'",
+                    arguments.columns));
   }
   features::PairColumns columns{};
   for (std::size_t k = 0; k < 6; ++k) columns[k / 3][k % 3] = chosen[k % chosen.size()];
@@ -102,7 +129,7 @@ std::optional<features::PairColumns> pair_columns_of(const CloudArguments& argum
 }
 
 void add_columns_option(CLI::App& command, CloudArguments& arguments, const std::string& help) {
-  command.add_option("--columns", arguments.columns, help)->delimiter(',');
+  command.add_option("--columns", arguments.columns, help);
 }
 
 std::vector<std::string> CloudArguments::given() const {

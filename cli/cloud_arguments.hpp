@@ -2,6 +2,7 @@
 #pragma once
 
 #include <array>
+#include <cstddef>
 #include <cstdint>
 #include <optional>
 #include <string>
@@ -30,7 +31,7 @@ struct CloudArguments {
   std::string save_aligned;
   // What correspondences take as well.
   std::optional<std::string> source_viewpoint;
-  std::vector<std::size_t> columns;
+  std::string columns;
 
   /// Those that were given and are of clouds alone, each with its value.
   [[nodiscard]] std::vector<std::string> given() const;
@@ -46,7 +47,10 @@ using Viewpoint = std::optional<std::array<double, 3>>;
 /// Gives that of the source of correspondences, if there is one. Throws as above, also on "none".
 [[nodiscard]] Viewpoint row_viewpoint_of(const CloudArguments& arguments);
 
-/// Those of two clouds, if they were chosen. Throws std::invalid_argument unless they are three, of both, or six.
+/// The columns of a file of correspondences, six, or none. Throws std::invalid_argument on others.
+[[nodiscard]] std::vector<std::size_t> row_columns_of(const CloudArguments& arguments);
+
+/// The columns of two clouds, if they were chosen: three, of both, or six. Throws std::invalid_argument on others.
 [[nodiscard]] std::optional<features::PairColumns> pair_columns_of(const CloudArguments& arguments);
 
 void add_columns_option(CLI::App& command, CloudArguments& arguments, const std::string& help);

@@ -101,7 +101,7 @@ Correspondences read_rows(const RegisterOptions& options) {
                                          matches.source.size()));
   }
   try {
-    return synth::read_correspondences(file, options.clouds.columns);
+    return synth::read_correspondences(file, row_columns_of(options.clouds));
   } catch (const std::runtime_error&) {
     constexpr std::array kCloudEndings{".ply", ".pcd", ".bin", ".las"};
     if (std::find(kCloudEndings.begin(), kCloudEndings.end(), ending) == kCloudEndings.end() ||

@@ -98,11 +98,10 @@ void check(const RegisterOptions& options) {
   if (options.target.empty() && !options.pairs.empty()) {
     throw std::invalid_argument("--pairs: needs two clouds, SOURCE and TARGET");
   }
-  if (const auto& columns = options.clouds.columns; !options.target.empty()) {
+  if (options.target.empty()) {
+    static_cast<void>(row_columns_of(options.clouds));
+  } else {
     static_cast<void>(pair_columns_of(options.clouds));
-  } else if (!columns.empty() &&
-             (columns.size() != 6 || std::find(columns.begin(), columns.end(), 0u) != columns.end())) {
-    throw std::invalid_argument("--columns: expected six columns counted from 1, as in 2,3,4,5,6,7");
   }
   check_viewpoints_and_clouds(options);
   if (options.matches_clouds() && options.estimate_scale) {
@@ -139,10 +138,11 @@ void add_register_options(CLI::App& command, RegisterOptions& options) {
                      "Of clouds whose points are matched already: rows, each with the same row of the other, or a "
                      "file with a line for "
                      "each match: a row of FILE and one of TARGET, counted from 0");
-  add_columns_option(command, options.clouds,
-                     "Of text with other columns: which are source x y z and target x y z, counted from 1, as in "
-                     "2,3,4,5,6,7; of clouds also x y z of both, as in 2,3,4. Not needed where a first line or a "
-                     "comment names them (x1, source_x, sx), or rows are numbered before them");
+  add_columns_option(
+      command, options.clouds,
+      "Of text with other columns: which are source x y z and target x y z, counted from 1, as in "
+      "2,3,4,5,6,7; of two clouds, both text, also x y z of both, as in 2,3,4. Not needed where a first line or a "
+      "comment names them (x1, source_x, sx), or rows are numbered before them");
   add_cloud_options(command, options.clouds);
   command.add_option("--save-correspondences", options.clouds.save_correspondences,
                      "Of clouds: write their matches to this file");

@@ -1,7 +1,6 @@
 // What `consimd register` is told.
 #pragma once
 
-#include <cstddef>
 #include <cstdint>
 #include <optional>
 #include <string>

@@ -33,12 +33,12 @@ std::vector<std::string_view> parts_of(std::string_view list) {
 std::vector<std::size_t> numbers_of(std::string_view option, std::string_view list, std::size_t least) {
   std::vector<std::size_t> numbers;
   for (const std::string_view part : parts_of(list)) {
-    const std::size_t number = text::number_in<std::size_t>(part).value_or(0);
-    if (number < std::max<std::size_t>(least, 1) || number > kLargest) {
+    const auto number = text::number_in<std::size_t>(part);
+    if (!number || *number < least || *number > kLargest) {
       throw std::invalid_argument(fmt::format("{}: expected whole numbers from {} to {}, separated by commas, got '{}'",
                                               option, least, kLargest, part));
     }
-    if (std::ranges::find(numbers, number) == numbers.end()) numbers.push_back(number);
+    if (std::ranges::find(numbers, *number) == numbers.end()) numbers.push_back(*number);
   }
   return numbers;
 }
@@ -100,12 +100,14 @@ BenchOptions take_options(std::vector<char*>& arguments) {
 void print_help() {
   const BenchOptions defaults;
   std::fputs(
-      fmt::format("Benchmarks of consimd's kernels, of graph stages, refinement and registrations. Of the kernels:\n"
-                  "  --sizes N[,N...]    correspondences, of matrices up to 10000 (default: {})\n"
-                  "  --batch N[,N...]    hypotheses that a kernel is given at once (default: {})\n"
-                  "  --isas NAME[,...]   instruction sets (default: all that the machine has)\n"
-                  "The rest are Google Benchmark's:\n",
-                  fmt::join(defaults.sizes, ","), fmt::join(defaults.batches, ","))
+      fmt::format(
+          "Benchmarks of consimd's kernels, of the front end's, of graph stages, refinement and registrations. Of "
+          "the first ones:\n"
+          "  --sizes N[,N...]    correspondences, of matrices up to 10000 (default: {})\n"
+          "  --batch N[,N...]    hypotheses that a kernel is given at once (default: {})\n"
+          "  --isas NAME[,...]   instruction sets (default: all that the machine has)\n"
+          "The rest are Google Benchmark's:\n",
+          fmt::join(defaults.sizes, ","), fmt::join(defaults.batches, ","))
           .c_str(),
       stdout);
   benchmark::PrintDefaultHelp();

@@ -35,7 +35,7 @@ using Words = std::vector<std::uint32_t>;
 /// Runs a kernel on all that was prepared, on the active instruction set. What it found, as bits.
 using Run = std::function<void(Words&)>;
 
-constexpr std::size_t kCloudSizes[] = {1'000, 15'000, 100'000};
+constexpr std::size_t kCloudSizes[] = {1'000, 15'000};
 constexpr std::size_t kDescriptorCounts[] = {1'000, 5'000};
 
 std::vector<std::uint32_t> all_rows(const CellGrid& grid) {
@@ -172,7 +172,7 @@ Work histogram_sums(std::size_t size) {
 
 Work matches(std::size_t count) {
   constexpr std::size_t kBest = 3;
-  // The front end describes a third of a cloud's points, about.
+  // Of a third of the points, as keypoints are some of them.
   const auto describe = [count](std::uint32_t seed) {
     const CellGrid grid = grid_with_normals(3 * count, seed);
     std::vector<std::uint32_t> rows;

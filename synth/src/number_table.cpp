@@ -230,8 +230,7 @@ NumberTable read_number_table(const std::filesystem::path& path) {
   const std::string text = read_text(path);
   if (text.empty()) throw std::runtime_error(shown_name(path) + ": is empty, expected lines of numbers");
   require_one_byte_characters(path, text);
-  std::string_view rest = text;
-  if (rest.starts_with("\xEF\xBB\xBF")) rest.remove_prefix(3);
+  std::string_view rest = text::without_mark(text);
   NumberTable table;
   for (std::size_t number = 1; !rest.empty(); ++number) {
     std::string_view line = text::trimmed(take_line(rest));

@@ -88,6 +88,7 @@ class Clouds(CommandTest):
             ["a.csv", "reversed.xyz", "--pairs", "pairs.txt"],
             ["six.txt", "six.txt", "--pairs", "rows", "--columns", "1,2,3,4,5,6"],
             ["named.txt", "b.xyz", "--pairs", "rows", "--columns", "2,3,4,1,2,3"],
+            ["named.txt", "reversed.xyz", "--pairs", "pairs.txt", "--columns", "2,3,4,1,2,3"],
             ["stored.npz"],
             ["deflated.npz"],
             ["six.npy"],
@@ -108,16 +109,32 @@ class Clouds(CommandTest):
             (["a.csv", "b.xyz", "--pairs", "rows", "--voxel", 1], "that are matched here"),
             (["six.txt", "--pairs", "rows"], "--pairs: needs two clouds"),
             (["named.txt", "b.xyz"], "named.txt:1: neither numbers nor a line of names with x, y and z: 'p0 "),
-            (["named.txt", "b.xyz"], "say which are x, y and z, counted from 1, as in --columns 2,3,4"),
+            (["named.txt", "b.xyz"], "say which are x, y and z, counted from 1"),
             (["a.csv", "b.xyz", "--columns", "1,2"], "--columns: expected three columns of both clouds"),
             (["a.csv", "b.xyz", "--columns", "0,1,2"], "--columns: expected three columns of both clouds"),
+            (["a.csv", "b.xyz", "--columns", "-1,1,2"], "--columns: expected three columns of both clouds"),
+            (["a.csv", "b.xyz", "--columns", "1,2,1"], "--columns: expected three columns of both clouds"),
+            (["six.txt", "--columns", "1,2,3,4,5,5"], "--columns: expected six columns"),
             (["a.csv", "b.xyz", "--columns", "1,2,4"], "a.csv:2: expected 4 numbers or more, got 3"),
-            (["six.npy", "b.xyz", "--columns", "1,2,3"], "six.npy: columns are chosen of text alone"),
+            (["six.npy", "b.xyz", "--columns", "1,2,3"], "six.npy: columns are chosen of plain text alone"),
             (["six.npy", "--columns", "4,5,6,1,2,3"], "--columns: chooses among the columns of text"),
             (["six.txt", "--columns", "1,2,3"], "--columns: expected six columns"),
             (["six.txt", "--columns", "1,2,3,4,5,7"], "column 7 of 6"),
         ):
             self.assert_error("register", *arguments, says=says)
+
+    def test_columns_of_clouds(self):
+        """Columns that are chosen give what columns in their order give."""
+        for name, points in (("a", room(1, 2000)), ("b", room(2, 2000))):
+            self.write(f"{name}.xyz", "".join("{} {} {}\n".format(*p) for p in points))
+            self.write(f"{name}.txt", "".join("p{} {} {} {}\n".format(k, *p) for k, p in enumerate(points)))
+        self.run_command("match", "a.xyz", "b.xyz", "--voxel", 0.2, "--out", "plain")
+        self.run_command("match", "--columns", "2,3,4", "a.txt", "b.txt", "--voxel", 0.2, "--out", "chosen")
+        self.run_command("match", "a.txt", "b.xyz", "--columns", "2,3,4,1,2,3", "--voxel", 0.2, "--out", "each")
+        plain = (self.folder / "plain" / "correspondences.txt").read_text()
+        self.assertGreater(plain.count("\n"), 100)
+        for folder in ("chosen", "each"):
+            self.assertEqual((self.folder / folder / "correspondences.txt").read_text(), plain)
 
     def test_farthest_keypoints(self):
         source, target = self.clouds()

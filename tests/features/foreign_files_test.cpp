@@ -117,13 +117,25 @@ TEST_F(ForeignFiles, ColumnsCanBeChosen) {
   EXPECT_EQ(chosen("t.csv", "Rechts,Hoch,Hoehe,x,y,z\n1,2,3,7,8,9\n4,5,6,7,8,9\n", {1, 2, 3}), expected);
   EXPECT_EQ(chosen("t.csv", "3;name;2;1\n6;other name;5;4\n", {4, 3, 1}), expected);
   EXPECT_EQ(chosen("t.tsv", "id\tEast\tNorth\tUp\n\t1\t2\t3\nb\t4\t5\t6\n", {2, 3, 4}), expected);
+  EXPECT_EQ(chosen("t.tsv", "id\tE\tN\tU\tI\n\t1\t2\t3\t9 \n\t4\t5\t6\t9 \n", {2, 3, 4}), expected);
+  EXPECT_EQ(chosen("t.tsv", "Scan X\tE\tN\tU\n# made up\n\n1 2\t1\t2\t3\n\t4\t5\t6\n", {2, 3, 4}), expected);
+  EXPECT_EQ(chosen("t.txt", "0\t1 2  3\n0\t4 5 6\n", {2, 3, 4}), expected);
+  EXPECT_EQ(chosen("t.tsv", "pt 0\t1\t2\t3\npt1\t4\t5\t6\n", {2, 3, 4}), expected);
+  EXPECT_EQ(chosen("t.csv", "0,1,2\n1,2,3\n4.5,5,6\n", {1, 2, 3}), expected);
+  EXPECT_EQ(chosen("t.csv", ",0,1,2\n0,1,2,3\n1,4.5,5,6\n", {2, 3, 4}), expected);
+  EXPECT_EQ(chosen("t.csv", "id,2019,East,North,Up\n7,8,1,2,3\n7,8,4,5,6\n", {3, 4, 5}), expected);
+  EXPECT_EQ(chosen("t.xyz", "2\nframe 5 energy -3.2\nO 1 2 3\nH 4 5 6\n", {2, 3, 4}), expected);
   EXPECT_EQ(chosen("t.txt", "\r1 2 3\r4 5 6\r", {1, 2, 3}), expected);
   const auto fault = [&](const std::string& name, const std::string& bytes, const features::TextColumns& columns) {
     return fault_of([&] { return features::read_cloud(write(name, bytes), std::nullopt, columns); });
   };
   EXPECT_EQ(fault("t.txt", "1 2 3\n", {2, 3, 4}), "t.txt:1: expected 4 numbers or more, got 3");
   EXPECT_EQ(fault("t.txt", "a b c\n1 2 c\n", {1, 2, 3}), "t.txt:2: 'c' is not a number");
-  EXPECT_EQ(fault("t.npy", npy("'<f8'", "(4, 3)", kSixes), {1, 2, 3}), "t.npy: columns are chosen of text alone");
+  EXPECT_EQ(fault("t.csv", "-,-,-\n1,2,3\n", {1, 2, 3}), "t.csv:1: '-' is not a number");
+  EXPECT_EQ(fault("t.csv", "NULL,NULL,NULL\n1,2,3\n", {1, 2, 3}), "t.csv:1: 'NULL' is not a number");
+  EXPECT_EQ(fault("t.csv", "1,5;2,5;3,5\n1;2;3\n", {1, 2, 3}),
+            "t.csv:1: decimal commas: write decimal points, as 'tr , . < FILE' does");
+  EXPECT_EQ(fault("t.npy", npy("'<f8'", "(4, 3)", kSixes), {1, 2, 3}), "t.npy: columns are chosen of plain text alone");
   EXPECT_THROW(static_cast<void>(features::read_cloud(write("t.txt", "1 2 3\n"), std::nullopt, {{0, 1, 2}})),
                std::invalid_argument);
   const auto path = write("both.txt", "1 2 3 4 5 6\n");
@@ -134,17 +146,17 @@ TEST_F(ForeignFiles, ColumnsCanBeChosen) {
 }
 
 TEST_F(ForeignFiles, HeadingsThatAreWrongAreTold) {
-  const std::string kChoose = ": say which are x, y and z, counted from 1, as in --columns 2,3,4";
+  const std::string remedy = ": say which are x, y and z, counted from 1 ('register' and 'match' take --columns 2,3,4)";
 
   EXPECT_EQ(fault("t.pts", "3\n1 2 3\n4 5 6\n"), "t.pts: says that it has 3 points, but has 2");
   EXPECT_EQ(fault("t.xyz", "2\nwater\nO 0 0 0\nH 0 0 1\n"),
-            "t.xyz:2: neither numbers nor a line of names with x, y and z: 'water'" + kChoose);
+            "t.xyz:2: neither numbers nor a line of names with x, y and z: 'water'" + remedy);
   EXPECT_EQ(fault("t.xyz", "# made up\n\n1 2 3\n4 five 6\n"), "t.xyz:4: 'five' is not a number");
   EXPECT_EQ(fault("t.xyz", "-16,5740\t-10,5276\t12,0510\n"),
             "t.xyz:1: decimal commas: write decimal points, as 'tr , . < FILE' does");
   EXPECT_EQ(fault("t.csv", "1,2,3\n1 016.5,2,3\n"), "t.csv:2: '1 016.5' is not a number");
   EXPECT_EQ(fault("t.xyz", "1 2 3\n1 2 1.#INF\n"), "t.xyz:2: '1.#INF' is not a number");
-  EXPECT_EQ(fault("t.xyz", "x y z\n1 2\n"), "t.xyz:2: 2 words, but 3 names before" + kChoose);
+  EXPECT_EQ(fault("t.xyz", "x y z\n1 2\n"), "t.xyz:2: 2 words, but 3 names before");
   EXPECT_EQ(fault("t.xyz", "2\n2\n1 2 3\n"), "t.xyz:2: expected 3 numbers or more, got 1");
 }
 

@@ -1,6 +1,7 @@
 #include <consimd/features/cloud_files.hpp>
 
 #include <algorithm>
+#include <array>
 #include <bit>
 #include <cerrno>
 #include <cstddef>
@@ -8,6 +9,8 @@
 #include <fstream>
 #include <iostream>
 #include <limits>
+#include <optional>
+#include <stdexcept>
 #include <string>
 #include <system_error>
 
@@ -52,8 +55,10 @@ std::string contents(const std::filesystem::path& path) {
 
 namespace {
 
-/// The reader of a form that is not text, by a file's beginning or ending; null of text.
-Coordinates (*binary_reader(std::string_view bytes, const std::string& form))(std::string_view) {
+using Reader = Coordinates (*)(std::string_view);
+
+/// The reader of a form that says where its coordinates are, by a file's beginning or ending; null of other text.
+Reader reader_of_form(std::string_view bytes, const std::string& form) {
   if (form == ".ply" || bytes.starts_with("ply\n") || bytes.starts_with("ply\r")) return read_ply;
   if (form == ".pcd" || bytes.starts_with("# .PCD") || bytes.starts_with("VERSION ")) return read_pcd;
   if (form == ".npy" || bytes.starts_with("\x93NUMPY")) return read_npy;
@@ -70,8 +75,8 @@ Coordinates read_points(std::string_view bytes, const std::filesystem::path& pat
   if (columns && std::ranges::find(*columns, std::size_t{0}) != columns->end()) {
     throw std::invalid_argument("columns are counted from 1");
   }
-  if (const auto reader = binary_reader(bytes, text::lower(path.extension().string()))) {
-    if (columns) throw FileFault("columns are chosen of text alone");
+  if (const Reader reader = reader_of_form(bytes, text::lower(path.extension().string()))) {
+    if (columns) throw FileFault("columns are chosen of plain text alone");
     return reader(bytes);
   }
   if (bytes.starts_with("ASTM-E57")) {

@@ -89,8 +89,7 @@ MatchedPoints read_indexed_matches(const std::filesystem::path& source, const st
   const detail::Coordinates from = rows_of(source, columns, 0), to = rows_of(target, columns, 1);
   std::string bytes = detail::contents(pairs);
   if (auto lines = detail::with_line_feeds(bytes)) bytes = std::move(*lines);
-  std::string_view text = bytes;
-  if (text.starts_with("\xEF\xBB\xBF")) text.remove_prefix(3);
+  std::string_view text = text::without_mark(bytes);
   MatchedPoints matches;
   std::array<std::size_t, 2> places{0, 1};
   std::optional<std::array<std::size_t, 2>> commented;

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 #include <optional>
+#include <system_error>
 #include <utility>
 
 #include "files/records.hpp"
@@ -13,9 +14,10 @@ namespace consimd::features::detail {
 namespace {
 
 constexpr std::size_t kAll = std::numeric_limits<std::size_t>::max();
-constexpr const char* kChoose = ": say which are x, y and z, counted from 1, as in --columns 2,3,4";
+constexpr const char* kChoose =
+    ": say which are x, y and z, counted from 1 ('register' and 'match' take --columns 2,3,4)";
 
-/// A number, also one that is none, NaN in any spelling: a point without a place.
+/// NaN, in any spelling, and what is beyond a double's range are coordinates too: of a point without a place.
 std::optional<double> coordinate_in(std::string_view word) {
   if (word.starts_with('+')) word.remove_prefix(1);
   double value = 0.0;
@@ -178,8 +180,7 @@ Columns told_by(const std::vector<std::string>& names, Columns columns, const st
     if (!are_named(first, second)) return columns;
     for (std::size_t& column : columns) ++column;
   } else if (first.size() != names.size() && !is_list) {
-    throw FileFault(std::to_string(first.size()) + " words, but " + std::to_string(names.size()) + " names before" +
-                    kChoose);
+    throw FileFault(std::to_string(first.size()) + " words, but " + std::to_string(names.size()) + " names before");
   }
   return columns;
 }
@@ -191,12 +192,47 @@ std::vector<std::string_view> take_point(std::string_view& text, bool tabs) {
   return words;
 }
 
+/// The next line that holds more than a comment.
+std::string_view first_row(std::string_view text) {
+  std::string_view line;
+  while (!text.empty() && text::trimmed(line).empty()) line = text::without_comment(next_line(text));
+  return line;
+}
+
+/// Whether tabs separate the words of a row: they part all coordinates. Between tabs there may be blanks, as in names.
+bool separates_by_tabs(std::string_view row, const Columns& columns) {
+  std::size_t found = 0;
+  split(row, '\t', kAll, [&](std::size_t k, std::string_view word) {
+    if (std::ranges::find(columns, k) != columns.end() && coordinate_in(word)) ++found;
+  });
+  return found == columns.size();
+}
+
+/// Whether a word begins as the name of a column does, and does not stand for a number that is missing.
+bool is_name(std::string_view word) {
+  constexpr std::array<std::string_view, 5> kMissing{"na", "n/a", "nan", "null", "none"};
+  const std::string small = text::lower(word.substr(0, kMissing[3].size() + 1));
+  if (small.empty() || std::ranges::find(kMissing, small) != kMissing.end()) return false;
+  return (small[0] >= 'a' && small[0] <= 'z') || static_cast<unsigned char>(small[0]) >= 0x80;
+}
+
+/// Whether a first line has names where the coordinates are to be. Behind a count it may be any remark, as in a
+/// molecule's file, that is no point.
+bool names_columns(std::string_view line, const Columns& columns, bool is_behind_count) {
+  const std::vector<std::string_view> words = words_in(line, true);
+  const auto names = std::ranges::count_if(
+      columns, [&](std::size_t column) { return column < words.size() && is_name(words[column]); });
+  if (!is_behind_count) return names == 3;
+  return names > 0 || (std::ranges::max(columns) >= words.size() && std::ranges::any_of(words, is_name));
+}
+
 /// Whether a first line numbers the columns, as pandas does for an array without names: other rows have fractions.
 bool numbers_columns(const std::vector<std::string_view>& words, const Coordinates& points) {
-  for (std::size_t k = 0; k < words.size(); ++k) {
-    if (words[k] != std::to_string(k)) return false;
+  const std::size_t before = !words.empty() && words[0].empty() ? 1 : 0;  // of an index
+  for (std::size_t k = before; k < words.size(); ++k) {
+    if (words[k] != std::to_string(k - before)) return false;
   }
-  return words.size() >= 3 && std::ranges::any_of(points, [](const auto& point) {
+  return words.size() >= before + 3 && std::ranges::any_of(points, [](const auto& point) {
            return std::ranges::any_of(point, [](double x) { return x != std::floor(x); });
          });
 }
@@ -285,7 +321,7 @@ Coordinates read_number_lines(std::string_view text, const std::array<std::size_
 
 Coordinates read_point_text(std::string_view text, const std::optional<Columns>& chosen) {
   if (const auto lines = with_line_feeds(text)) return read_point_text(*lines, chosen);
-  if (text.starts_with("\xEF\xBB\xBF")) text.remove_prefix(3);
+  text = text::without_mark(text);
   Heading heading;
   std::string_view rest = text;
   std::string_view line = next_line(rest);
@@ -308,13 +344,13 @@ Coordinates read_point_text(std::string_view text, const std::optional<Columns>&
   const std::optional<Columns> named = named_columns(names);
   try {
     if (chosen) {
-      // A first line without a number has the names.
-      if (std::ranges::none_of(words, [](std::string_view word) { return coordinate_in(word).has_value(); })) {
+      const bool has_names = names_columns(line, *chosen, heading.points.has_value());
+      std::string_view after = text;
+      if (has_names) {
         ++heading.lines;
-        text = rest;
+        after = text = rest;
       }
-      const std::string_view first = text.substr(0, text.find('\n'));
-      tabs = first.find('\t') != std::string_view::npos && first.find(' ') == std::string_view::npos;
+      tabs = (has_names && line.find('\t') != std::string_view::npos) || separates_by_tabs(first_row(after), *chosen);
       columns = *chosen;
       told = true;
     } else if (named) {
@@ -345,7 +381,7 @@ Coordinates read_point_text(std::string_view text, const std::optional<Columns>&
   if (!told && words.size() > 3 && count_rows(points)) {
     points = lines_of_points(text, {1, 2, 3}, kAll, heading.lines, tabs);
   }
-  if (!told && numbers_columns(words, points)) points.erase(points.begin());
+  if ((!told || chosen) && numbers_columns(words, points)) points.erase(points.begin());
   if (heading.points && *heading.points != points.size()) {
     throw FileFault("says that it has " + std::to_string(*heading.points) + " points, but has " +
                     std::to_string(points.size()));

@@ -62,7 +62,7 @@ void require_records(std::string_view bytes, std::size_t count, std::size_t size
 [[nodiscard]] Coordinates read_npz(std::string_view bytes);
 [[nodiscard]] Coordinates read_las(std::string_view bytes);
 [[nodiscard]] Coordinates read_kitti(std::string_view bytes);
-/// chosen: which of a line's words are x, y and z; else the text tells.
+/// chosen: which of a line's words are x, y and z, counted from 0; else the text tells.
 [[nodiscard]] Coordinates read_point_text(std::string_view text,
                                           const std::optional<std::array<std::size_t, 3>>& chosen = std::nullopt);
 

@@ -76,15 +76,15 @@ class SurfaceMap {
     std::uint32_t point;
     float squared_distance;
   };
-  static constexpr std::size_t kMostReached = 20;
+  static constexpr std::size_t kMostReached = 20;  // centres of cubes within 1.5 sides of a point, at most
   /// Lists those of point i, kMostReached at most, and asks for the memory of their entries; returns how many there
   /// are.
   std::size_t list_reached(std::uint32_t i, std::span<Reached> reached) const noexcept;
-  /// Whether the cube was free before.
+  /// Gives the cube its nearest point; returns whether it had none before.
   bool enter(const Reached& cube) noexcept;
   void grow();
   [[nodiscard]] std::uint32_t find(const Vector3& place) const noexcept;
-  /// The key of the cube that the place is in, if one of these may hold surfaces.
+  /// The key of the cube that the place is in; none outside of the cubes that surfaces reach.
   [[nodiscard]] std::optional<std::uint64_t> key_of(const Vector3& place) const noexcept;
   [[nodiscard]] bool may_hold(std::uint64_t hash) const noexcept;
   /// The point of the cube of this key, looked for from entry `at` of the table on.

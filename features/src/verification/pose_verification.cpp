@@ -31,7 +31,7 @@ namespace {
 
 using detail::SurfacePoint;
 
-// Samples of each cloud, and displaced poses: a pose takes some 10 ms of a core with these (docs/performance.md).
+// Samples of each cloud, and displaced poses: a pose takes 7 to 11 ms of a core with these (docs/performance.md).
 constexpr std::size_t kSamples = 320;
 constexpr std::size_t kDisplacements = 256;
 // The share of the displaced poses whose agreement gives the tail.
@@ -87,7 +87,8 @@ Side side_of(const VerifiedCloud& cloud, double voxel, std::uint64_t seed) {
           samples_of(cloud.surfaces, seed)};
 }
 
-/// What the samples of a cloud tell of one pose: sets `agrees` of each, and returns how many are seen through.
+/// What the samples of a cloud, kSamples at most, tell of one pose: sets `agrees` of each, and returns how many are
+/// seen through.
 std::uint32_t look(const std::vector<SurfacePoint>& samples, const RigidTransform& pose, const Side& other,
                    std::span<std::uint8_t> agrees) {
   std::array<SurfacePoint, kSamples> places;

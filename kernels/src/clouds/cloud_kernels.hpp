@@ -28,8 +28,10 @@ struct RawDescriptors {
   std::size_t pairs;
 };
 
-/// The best k of each of a number of descriptors, rank by rank: entry r * stride + i is of rank r of descriptor i.
-/// Ranks ascend by distance, then by index.
+inline constexpr std::size_t kMostMatches = 8;
+
+/// The best k, kMostMatches at most, of each of a number of descriptors, rank by rank: entry r * stride + i is of rank
+/// r of descriptor i. Ranks ascend by distance, then by index.
 struct RawMatches {
   std::int32_t* distances;
   std::uint32_t* indices;

@@ -45,7 +45,7 @@ class QueryList {
   const RawMatches& best_;
   std::size_t k_;
   std::size_t i_;
-  std::uint64_t keys_[8];
+  std::uint64_t keys_[kMostMatches];
 };
 
 template <typename Arch>
@@ -99,7 +99,7 @@ class MatchTile {
       (keep_if_near<kRow>(i, j + part, products[kRow], near), ...);
     }
     (std::make_index_sequence<kRows>());
-    // Behind all rows, whose registers a call in between would send to memory and back.
+    // A call in between would send the registers of the rows to memory and back.
     for (; near.rows != 0; near.rows &= near.rows - 1) {
       const auto q = static_cast<std::size_t>(__builtin_ctz(near.rows));
       enter(i + q, j + part, near.distances[q]);
@@ -186,6 +186,7 @@ class MatchTile {
     return IntBatch<Arch>(both);
   }
 
+  // Copies, which no store through a list can change: they stay in registers.
   RawDescriptors queries_;
   RawDescriptors targets_;
   std::size_t k_;

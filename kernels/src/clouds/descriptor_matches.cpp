@@ -93,7 +93,10 @@ FixedPointDescriptors::FixedPointDescriptors(std::span<const float> values, std:
 void BestMatches::AlignedDelete::operator()(std::int32_t* p) const noexcept { ::operator delete[](p, kAlignment); }
 
 BestMatches::BestMatches(std::size_t size, std::size_t k) : size_(size), k_(k), stride_(padded(size)) {
-  if (k < 1 || k > 8) throw std::invalid_argument("k is " + std::to_string(k) + ", expected 1 to 8");
+  if (k < 1 || k > detail::kMostMatches) {
+    throw std::invalid_argument("k is " + std::to_string(k) + ", expected 1 to " +
+                                std::to_string(detail::kMostMatches));
+  }
   data_.reset(static_cast<std::int32_t*>(::operator new[](2 * k_ * stride_ * sizeof(std::int32_t), kAlignment)));
   std::fill_n(data_.get(), k_ * stride_, std::numeric_limits<std::int32_t>::max());
   std::fill_n(reinterpret_cast<std::uint32_t*>(data_.get() + k_ * stride_), k_ * stride_, kNone);

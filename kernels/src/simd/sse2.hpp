@@ -32,7 +32,7 @@ inline IntBatch<xsimd::sse2> pair_products(const IntBatch<xsimd::sse2>& a, const
 }
 
 #if defined(__GNUC__) && !defined(__clang__)
-/// GCC 12 would sum into the register of `term` and copy that back: best_matches of 5000 takes 0.90 of the time.
+/// GCC 12 would sum into the register of `term` and copy that back: see docs/performance.md.
 inline IntBatch<xsimd::sse2> sum_in_place(const IntBatch<xsimd::sse2>& sum, const IntBatch<xsimd::sse2>& term) {
   auto in_place = sum.data;
   __asm__("paddd %1, %0" : "+x"(in_place) : "x"(term.data));

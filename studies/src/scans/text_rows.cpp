@@ -33,7 +33,7 @@ template <typename Number>
 bool parse(std::string_view text, Number& number) {
   if (text.starts_with('+')) text.remove_prefix(1);
   const auto value = text::number_in<Number>(text);
-  number = value.value_or(number);
+  if (value) number = *value;
   return value.has_value();
 }
 
@@ -41,8 +41,7 @@ bool parse(std::string_view text, Number& number) {
 
 TextRows::TextRows(std::filesystem::path path, std::string_view separators) : path_(std::move(path)) {
   const std::string text = synth::read_text(path_);
-  std::string_view rest = text;
-  if (rest.starts_with("\xef\xbb\xbf")) rest.remove_prefix(3);
+  std::string_view rest = text::without_mark(text);
   for (std::size_t number = 1; !rest.empty(); ++number) {
     const std::string_view line = rest.substr(0, rest.find('\n'));
     rest.remove_prefix(std::min(rest.size(), line.size() + 1));

@@ -27,7 +27,7 @@ struct MatchedPoints {
 /// Throws std::runtime_error "FILE: what".
 [[nodiscard]] MatchedPoints read_array_matches(const std::filesystem::path& path);
 
-/// Of the source and of the target.
+/// The columns of the source, then those of the target.
 using PairColumns = std::array<TextColumns, 2>;
 
 /// Reads two clouds in any of the forms of `read_cloud` whose rows belong together. columns: of text, as there. Throws

@@ -86,10 +86,10 @@ class BestMatches {
 };
 
 /// Enters the squared distances between queries first to last - 1 and all targets into the best matches of both. One
-/// pass serves both; distances are never stored. Calls must come with ascending queries, so that of equally near ones
-/// the lower index is kept. Throws std::invalid_argument on descriptors of different length or unit, on lists of other
-/// sizes than the descriptors, or of different k, std::out_of_range where first <= last <= queries.size() does not
-/// hold.
+/// pass serves both; distances are never stored. Calls must come with ascending queries, each in one call, so that of
+/// equally near ones the lower index is kept. Throws std::invalid_argument on descriptors of different length or unit,
+/// on lists of other sizes than the descriptors, or of different k, std::out_of_range where first <= last <=
+/// queries.size() does not hold.
 void best_matches(const FixedPointDescriptors& queries, std::size_t first, std::size_t last,
                   const FixedPointDescriptors& targets, BestMatches& of_queries, BestMatches& of_targets);
 
