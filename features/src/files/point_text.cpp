@@ -220,9 +220,11 @@ bool is_name(std::string_view word) {
 /// molecule's file, that is no point.
 bool names_columns(std::string_view line, const Columns& columns, bool is_behind_count) {
   const std::vector<std::string_view> words = words_in(line, true);
-  const auto names = std::ranges::count_if(
-      columns, [&](std::size_t column) { return column < words.size() && is_name(words[column]); });
-  if (!is_behind_count) return names == 3;
+  const auto is_there = [&](std::size_t column) { return column < words.size(); };
+  const auto there = std::ranges::count_if(columns, is_there);
+  const auto names =
+      std::ranges::count_if(columns, [&](std::size_t column) { return is_there(column) && is_name(words[column]); });
+  if (!is_behind_count) return names > 0 && names == there;
   return names > 0 || (std::ranges::max(columns) >= words.size() && std::ranges::any_of(words, is_name));
 }
 
