@@ -90,11 +90,11 @@ std::vector<std::size_t> columns_in(std::string_view list) {
 }  // namespace
 
 std::vector<std::size_t> row_columns_of(const CloudArguments& arguments) {
-  if (arguments.columns.empty()) return {};
-  std::vector<std::size_t> columns = columns_in(arguments.columns);
+  if (!arguments.columns) return {};
+  std::vector<std::size_t> columns = columns_in(*arguments.columns);
   if (columns.size() == 6) return columns;
   throw std::invalid_argument(
-      fmt::format("--columns: expected six columns counted from 1, as in 2,3,4,5,6,7, got '{}'", arguments.columns));
+      fmt::format("--columns: expected six columns counted from 1, as in 2,3,4,5,6,7, got '{}'", *arguments.columns));
 }
 
 Viewpoint source_viewpoint_of(const CloudArguments& arguments) {
@@ -115,13 +115,13 @@ Viewpoint row_viewpoint_of(const CloudArguments& arguments) {
 }
 
 std::optional<features::PairColumns> pair_columns_of(const CloudArguments& arguments) {
-  if (arguments.columns.empty()) return std::nullopt;
-  const std::vector<std::size_t> chosen = columns_in(arguments.columns);
+  if (!arguments.columns) return std::nullopt;
+  const std::vector<std::size_t> chosen = columns_in(*arguments.columns);
   if (chosen.size() != 3 && chosen.size() != 6) {
     throw std::invalid_argument(
         fmt::format("--columns: expected three columns of both clouds counted from 1, as in 2,3,4, or six, three of "
                     "each, got '{}'",
-                    arguments.columns));
+                    *arguments.columns));
   }
   features::PairColumns columns{};
   for (std::size_t k = 0; k < 6; ++k) columns[k / 3][k % 3] = chosen[k % chosen.size()];

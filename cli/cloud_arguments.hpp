@@ -31,7 +31,7 @@ struct CloudArguments {
   std::string save_aligned;
   // What correspondences take as well.
   std::optional<std::string> source_viewpoint;
-  std::string columns;
+  std::optional<std::string> columns;
 
   /// Those that were given and are of clouds alone, each with its value.
   [[nodiscard]] std::vector<std::string> given() const;

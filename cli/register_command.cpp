@@ -91,7 +91,7 @@ Correspondences read_rows(const RegisterOptions& options) {
   const std::string& file = options.file;
   const std::string ending = std::filesystem::path(file).extension().string();
   if (!options.pairs.empty() || ending == ".npz" || ending == ".npy") {
-    if (options.pairs.empty() && !options.clouds.columns.empty()) {
+    if (options.pairs.empty() && options.clouds.columns) {
       throw std::invalid_argument("--columns: chooses among the columns of text alone");
     }
     const features::MatchedPoints matches =

@@ -2,31 +2,22 @@
 // each up to a byte 0.
 #include <consimd/studies/comparison_merge.hpp>
 
-#include <stdlib.h>
 #include <algorithm>
 #include <fstream>
 #include <string_view>
 
 #include "holds.hpp"
+#include "process_folder.hpp"
 
 namespace {
 
 namespace fs = std::filesystem;
 using namespace consimd;
 
-/// A folder in memory where there is one, for the life of the process.
-fs::path make_folder() {
-  std::string path = fs::is_directory("/dev/shm") ? "/dev/shm/consimd-fuzz-XXXXXX" : "/tmp/consimd-fuzz-XXXXXX";
-  fuzz::require(mkdtemp(path.data()) != nullptr, "a folder of its own");
-  static std::string made = path;
-  fuzz::require(std::atexit([] { fs::remove_all(made); }) == 0, "a folder that is removed");
-  return path;
-}
-
 }  // namespace
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
-  static const fs::path folder = make_folder();
+  static const fs::path folder = fuzz::make_process_folder();
   std::string_view rest(reinterpret_cast<const char*>(data), size);
   for (const char* name : {"comparison.json", "runs.csv"}) {
     const std::string_view text = rest.substr(0, rest.find('\0'));

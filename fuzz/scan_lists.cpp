@@ -2,25 +2,21 @@
 // KITTI; gt.log, gt.info and gt_overlap.log of 3DMatch; the pairs.csv of anybody.
 #include <consimd/studies/scan_layout.hpp>
 
-#include <stdlib.h>
 #include <algorithm>
 #include <cmath>
 #include <fstream>
 
 #include "holds.hpp"
+#include "process_folder.hpp"
 
 namespace {
 
 namespace fs = std::filesystem;
 using namespace consimd;
 
-/// A folder in memory where there is one, for the life of the process, with scans that nobody reads.
+/// A folder for the life of the process, with scans that nobody reads.
 fs::path make_folder() {
-  std::string path = fs::is_directory("/dev/shm") ? "/dev/shm/consimd-fuzz-XXXXXX" : "/tmp/consimd-fuzz-XXXXXX";
-  fuzz::require(mkdtemp(path.data()) != nullptr, "a folder of its own");
-  static std::string made = path;
-  fuzz::require(std::atexit([] { fs::remove_all(made); }) == 0, "a folder that is removed");
-  const fs::path folder = path;
+  const fs::path folder = fuzz::make_process_folder();
   for (const char* sub : {"sequences/00/velodyne", "poses", "scene"}) fs::create_directories(folder / sub);
   for (const char* scan : {"sequences/00/velodyne/000000.bin", "sequences/00/velodyne/000001.bin",
                            "scene/cloud_bin_0.ply", "scene/cloud_bin_1.ply", "scene/cloud_bin_2.ply"}) {

@@ -172,7 +172,7 @@ Work histogram_sums(std::size_t size) {
 
 Work matches(std::size_t count) {
   constexpr std::size_t kBest = 3;
-  // Of a third of the points, as keypoints are some of them.
+  // A third of the points is described, as keypoints are a part of a cloud.
   const auto describe = [count](std::uint32_t seed) {
     const CellGrid grid = grid_with_normals(3 * count, seed);
     std::vector<std::uint32_t> rows;

@@ -111,6 +111,8 @@ class Clouds(CommandTest):
             (["named.txt", "b.xyz"], "named.txt:1: neither numbers nor a line of names with x, y and z: 'p0 "),
             (["named.txt", "b.xyz"], "say which are x, y and z, counted from 1"),
             (["a.csv", "b.xyz", "--columns", "1,2"], "--columns: expected three columns of both clouds"),
+            (["a.csv", "b.xyz", "--columns", ""], "--columns: expected three columns of both clouds"),
+            (["six.txt", "--columns", ""], "--columns: expected six columns"),
             (["a.csv", "b.xyz", "--columns", "0,1,2"], "--columns: expected three columns of both clouds"),
             (["a.csv", "b.xyz", "--columns", "-1,1,2"], "--columns: expected three columns of both clouds"),
             (["a.csv", "b.xyz", "--columns", "1,2,1"], "--columns: expected three columns of both clouds"),

@@ -211,7 +211,7 @@ bool separates_by_tabs(std::string_view row, const Columns& columns) {
 /// Whether a word begins as the name of a column does, and does not stand for a number that is missing.
 bool is_name(std::string_view word) {
   constexpr std::array<std::string_view, 5> kMissing{"na", "n/a", "nan", "null", "none"};
-  const std::string small = text::lower(word.substr(0, kMissing[3].size() + 1));
+  const std::string small = text::lower(word);
   if (small.empty() || std::ranges::find(kMissing, small) != kMissing.end()) return false;
   return (small[0] >= 'a' && small[0] <= 'z') || static_cast<unsigned char>(small[0]) >= 0x80;
 }

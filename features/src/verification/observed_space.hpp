@@ -54,7 +54,7 @@ class SurfaceMap {
   /// The points with a normal.
   [[nodiscard]] std::span<const SurfacePoint> surfaces() const noexcept { return points_; }
   [[nodiscard]] Agreement agreement(const SurfacePoint& place) const noexcept;
-  /// The same of many places, faster: their waits for memory overlap. found: as many as places.
+  /// Tells the same of many places, faster, since their waits for memory overlap. found: as many as places.
   void agreements(std::span<const SurfacePoint> places, std::span<Agreement> found) const noexcept;
   /// The surface that the place agrees with, or null.
   [[nodiscard]] const SurfacePoint* surface_at(const SurfacePoint& place) const noexcept;
