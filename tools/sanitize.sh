@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 #: sanitize [PRESET [FOLDER [ARG...]]]
-#:                     run all tests, or those of kernels, poses, synth, solvers, features or studies alone, with the sanitizers:
-#:                     asan (default, with UBSan) or tsan, whose oneTBB is compiled for it
+#:                     run all tests, or those of a folder of tests/ alone (kernels, cli, ...), with the sanitizers: asan
+#:                     (default, with UBSan) or tsan, whose oneTBB is compiled for it
 set -euo pipefail
 
 . "$(dirname "${BASH_SOURCE[0]}")/shell/building.sh"

@@ -180,14 +180,13 @@ Work matches(std::size_t count) {
     return features::fpfh(grid, rows, grid.cell());
   };
   const features::Descriptors source = describe(1), target = describe(2);
-  // Bins are shares in percent: no descriptor is longer than three features that lie in one bin each.
-  const double unit = FixedPointDescriptors::unit_for(174.0, source.length);
-  const auto fixed = [unit](const features::Descriptors& descriptors) {
-    return std::make_shared<FixedPointDescriptors>(descriptors.values, descriptors.length, unit);
+  const FixedPointForm form(source.values, target.values, source.length);
+  const auto fixed = [&form](const features::Descriptors& descriptors) {
+    return std::make_shared<FixedPointDescriptors>(descriptors.values, form);
   };
   return {[of_source = fixed(source), of_target = fixed(target)](Words& words) {
-            BestMatches best(of_source->size(), kBest), best_of_target(of_target->size(), kBest);
-            best_matches(*of_source, 0, of_source->size(), *of_target, best, best_of_target);
+            BestMatches best(*of_source, kBest), best_of_target(*of_target, kBest);
+            best_matches(*of_source, *of_target, best, best_of_target);
             words.clear();
             for (const BestMatches* lists : {&best, &best_of_target}) {
               for (std::size_t i = 0; i < lists->size(); ++i) {

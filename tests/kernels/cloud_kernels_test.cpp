@@ -218,22 +218,55 @@ TEST_P(CloudKernels, MatchesAreTheNearest) {
         const std::size_t k = 1 + random() % 8;
         const std::vector<float> a = random_descriptors(random, size, length, tied);
         const std::vector<float> b = random_descriptors(random, others, length, tied);
-        const double unit =
-            FixedPointDescriptors::unit_for((tied ? 2.0 : 1.0) * std::sqrt(static_cast<double>(length)), length);
-        const FixedPointDescriptors queries(a, length, unit), targets(b, length, unit);
-        BestMatches of_queries(size, k), of_targets(others, k);
-        best_matches(queries, 0, size / 2, targets, of_queries, of_targets);
-        best_matches(queries, size / 2, size, targets, of_queries, of_targets);
-        const auto whole_a = in_units(a, length, unit), whole_b = in_units(b, length, unit);
+        const FixedPointForm form(a, b, length);
+        const FixedPointDescriptors queries(a, form), targets(b, form);
+        BestMatches of_queries(queries, k), of_targets(targets, k);
+        best_matches(queries, targets, of_queries, of_targets, 1, 2);
+        best_matches(queries, targets, of_queries, of_targets, 0, 2);
+        const auto whole_a = in_units(a, length, form.unit()), whole_b = in_units(b, length, form.unit());
         ASSERT_EQ(listed(of_queries), nearest(whole_a, whole_b, k)) << length << " " << size << " " << others;
         ASSERT_EQ(listed(of_targets), nearest(whole_b, whole_a, k)) << length << " " << size << " " << others;
 
-        BestMatches late_queries(size, k), late(others, k), early(others, k);
-        best_matches(queries, size / 3, size, targets, late_queries, late);
-        best_matches(queries, 0, size / 3, targets, late_queries, early);
-        late.merge(early);
-        ASSERT_EQ(listed(late), listed(of_targets));
+        BestMatches merged(targets, k), of_parts(queries, k);
+        for (std::size_t part = 0; part < 3; ++part) {
+          BestMatches of_part(targets, k);
+          best_matches(queries, targets, of_parts, of_part, part, 3);
+          merged.merge(of_part);
+        }
+        ASSERT_EQ(listed(merged), listed(of_targets));
+        ASSERT_EQ(listed(of_parts), listed(of_queries));
       }
+    }
+  }
+}
+
+TEST_P(CloudKernels, MatchesOfManyThatLieInClustersAreThoseOfTheReference) {
+  std::mt19937 random(6);
+  for (const std::size_t length : {8u, 33u}) {
+    for (const float width : {0.0f, 0.01f, 0.3f}) {
+      // A quarter of them are copies.
+      const auto clustered = [&](std::size_t size) {
+        const std::vector<float> centres = random_descriptors(random, 9, length, false);
+        std::vector<float> values = random_descriptors(random, size, length, false);
+        for (std::size_t i = 0; i < values.size(); ++i) {
+          values[i] = centres[i / length % 9 * length + i % length] + (i / length % 4 == 0 ? 0.0f : width * values[i]);
+        }
+        return values;
+      };
+      const std::vector<float> a = clustered(1003), b = clustered(1290);
+      const FixedPointForm form(a, b, length);
+      const FixedPointDescriptors queries(a, form), targets(b, form);
+      const auto matches = [&](Isa isa, std::size_t parts) {
+        set_active_isa(isa);
+        BestMatches of_queries(queries, 3), of_targets(targets, 3);
+        for (std::size_t part = 0; part < parts; ++part) {
+          best_matches(queries, targets, of_queries, of_targets, part, parts);
+        }
+        return std::pair(listed(of_queries), listed(of_targets));
+      };
+      const auto expected = matches(Isa::scalar, 1);
+      EXPECT_EQ(matches(GetParam(), 1), expected) << length << " " << width;
+      EXPECT_EQ(matches(GetParam(), 4), expected) << length << " " << width;
     }
   }
 }
@@ -243,14 +276,14 @@ TEST_P(CloudKernels, DistancesReachTheirLimitWithoutOverflow) {
   std::vector<float> values(2 * 33, 0.0f);
   values[0] = 100.0f;
   values[33] = -100.0f;
-  const double unit = FixedPointDescriptors::unit_for(100.0, 33);
-  const FixedPointDescriptors descriptors(values, 33, unit);
-  BestMatches a(2, 2), b(2, 2);
-  best_matches(descriptors, 0, 2, descriptors, a, b);
+  const FixedPointForm form(values, {}, 33);
+  const FixedPointDescriptors descriptors(values, form);
+  BestMatches a(descriptors, 2), b(descriptors, 2);
+  best_matches(descriptors, descriptors, a, b);
   EXPECT_EQ(a.index(0, 0), 0u);
   EXPECT_EQ(a.squared_distance(0, 0), 0);
   EXPECT_EQ(a.index(0, 1), 1u);
-  EXPECT_NEAR(std::sqrt(a.squared_distance(0, 1)) * unit, 200.0, 0.02);
+  EXPECT_NEAR(std::sqrt(a.squared_distance(0, 1)) * form.unit(), 200.0, 0.02);
 }
 
 TEST_P(CloudKernels, AxesAreEigenvectors) {
@@ -344,19 +377,40 @@ TEST(PairFeatures, OfAPairWithoutAFrameAreNotCounted) {
 
 TEST(FixedPointDescriptors, NameWhatIsWrong) {
   std::vector<float> values(66, 1.0f);
-  EXPECT_THROW(FixedPointDescriptors(values, 0, 1.0), std::invalid_argument);
-  EXPECT_THROW(FixedPointDescriptors(values, 7, 1.0), std::invalid_argument);
-  EXPECT_THROW(FixedPointDescriptors(values, 33, 1e-5), std::invalid_argument);
-  EXPECT_THROW(FixedPointDescriptors(values, 33, std::nan("")), std::invalid_argument);
+  const auto error_of = [&](auto&& make) {
+    try {
+      make();
+    } catch (const std::invalid_argument& error) {
+      return std::string(error.what());
+    }
+    return std::string("nothing");
+  };
+  const FixedPointForm form(values, values, 33);
+  EXPECT_THROW(FixedPointForm(values, values, 0), std::invalid_argument);
+  EXPECT_THROW(FixedPointForm(values, values, 7), std::invalid_argument);
+  EXPECT_THROW(FixedPointForm(values, values, 4097), std::invalid_argument);
+  EXPECT_THROW(FixedPointDescriptors(std::span(values).first(65), form), std::invalid_argument);
+  const FixedPointDescriptors descriptors(values, form);
+  EXPECT_THROW(BestMatches(descriptors, 9), std::invalid_argument);
+  EXPECT_THROW(BestMatches(descriptors, 0), std::invalid_argument);
+
   values[40] = std::numeric_limits<float>::quiet_NaN();
-  try {
-    const FixedPointDescriptors refused(values, 33, 1.0);
-    FAIL() << refused.size();
-  } catch (const std::invalid_argument& error) {
-    EXPECT_NE(std::string(error.what()).find("descriptor 1: component 7"), std::string::npos) << error.what();
-  }
-  EXPECT_THROW(BestMatches(3, 9), std::invalid_argument);
-  EXPECT_THROW(BestMatches(3, 0), std::invalid_argument);
+  EXPECT_EQ(error_of([&] { FixedPointForm(values, values, 33); }), "descriptor 1 is not finite");
+  EXPECT_EQ(error_of([&] { FixedPointDescriptors(values, form); }).rfind("descriptor 1: component 7", 0), 0u);
+  std::fill(values.begin() + 33, values.end(), 1.1f);
+  EXPECT_EQ(error_of([&] { FixedPointDescriptors(values, form); }).rfind("descriptor 1 has norm", 0), 0u);
+
+  const FixedPointForm other(values, values, 33);
+  const FixedPointDescriptors others(values, other);
+  const std::vector<float> three(99, 1.0f);
+  const FixedPointDescriptors more(three, form);
+  BestMatches mine(descriptors, 2), theirs(others, 2), of_three(more, 2), nearest(descriptors, 1);
+  EXPECT_THROW(best_matches(descriptors, others, mine, theirs), std::invalid_argument);
+  EXPECT_THROW(best_matches(descriptors, more, mine, mine), std::invalid_argument);
+  EXPECT_THROW(best_matches(descriptors, descriptors, mine, nearest), std::invalid_argument);
+  EXPECT_THROW(best_matches(descriptors, more, mine, of_three, 2, 2), std::out_of_range);
+  EXPECT_THROW(mine.merge(of_three), std::invalid_argument);
+  EXPECT_THROW(mine.merge(nearest), std::invalid_argument);
 }
 
 TEST(Nearest, NameWhatIsWrong) {

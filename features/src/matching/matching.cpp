@@ -3,10 +3,12 @@
 #include <consimd/kernels/descriptor_matches.hpp>
 
 #include <oneapi/tbb/parallel_for.h>
+#include <oneapi/tbb/parallel_invoke.h>
 #include <oneapi/tbb/task_arena.h>
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 #include <stdexcept>
 #include <string>
 
@@ -35,36 +37,21 @@ std::size_t count(std::span<const float> values, std::size_t length, const char*
   return values.size() / length;
 }
 
-double largest_norm(std::span<const float> values, std::size_t length) {
-  double largest = 0.0;
-  for (std::size_t i = 0; i < values.size(); i += length) {
-    double squared = 0.0;
-    for (const float value : values.subspan(i, length))
-      squared += static_cast<double>(value) * static_cast<double>(value);
-    if (!std::isfinite(squared)) {
-      throw std::invalid_argument("descriptor " + std::to_string(i / length) + " is not finite");
-    }
-    largest = std::max(largest, squared);
-  }
-  return std::sqrt(largest);
-}
-
-/// The best matches of both sides. Which blocks the sources are cut into does not matter: lists are merged by distance,
-/// then index.
+/// The best matches of both sides. Into how many parts the sources are cut does not matter: lists are merged by
+/// distance, then number.
 void search(const FixedPointDescriptors& source, const FixedPointDescriptors& target, BestMatches& of_source,
             BestMatches& of_target) {
-  constexpr std::size_t kSmallestBlock = 256;
+  constexpr std::size_t kSmallestPart = 256;
   const auto threads = static_cast<std::size_t>(tbb::this_task_arena::max_concurrency());
-  // Few: each begins with empty lists of the targets, which take many entries until they are good.
-  const std::size_t blocks = std::clamp<std::size_t>(source.size() / kSmallestBlock, 1, threads == 1 ? 1 : 2 * threads);
-  if (blocks == 1) return best_matches(source, 0, source.size(), target, of_source, of_target);
-  std::vector<BestMatches> parts;
-  parts.reserve(blocks);
-  for (std::size_t b = 0; b < blocks; ++b) parts.emplace_back(target.size(), of_target.k());
-  tbb::parallel_for(std::size_t{0}, blocks, [&](std::size_t b) {
-    best_matches(source, source.size() * b / blocks, source.size() * (b + 1) / blocks, target, of_source, parts[b]);
-  });
-  for (const BestMatches& part : parts) of_target.merge(part);
+  // No more: parts take equally long, and each begins with lists of the targets that tell nothing yet.
+  const std::size_t parts = std::clamp<std::size_t>(source.size() / kSmallestPart, 1, threads);
+  if (parts == 1) return best_matches(source, target, of_source, of_target);
+  std::vector<BestMatches> lists;
+  lists.reserve(parts);
+  for (std::size_t part = 0; part < parts; ++part) lists.emplace_back(target, of_target.k());
+  tbb::parallel_for(std::size_t{0}, parts,
+                    [&](std::size_t part) { best_matches(source, target, of_source, lists[part], part, parts); });
+  for (const BestMatches& list : lists) of_target.merge(list);
 }
 
 bool is_among_best(const BestMatches& matches, std::size_t i, std::size_t best, std::uint32_t index) {
@@ -87,14 +74,13 @@ std::vector<Match> match(std::span<const float> source, std::span<const float> t
                                 ", which is above most_distances: choose fewer points");
   }
   if (sources == 0 || targets == 0) return {};
-  const double unit =
-      FixedPointDescriptors::unit_for(std::max(largest_norm(source, length), largest_norm(target, length)), length);
-  const FixedPointDescriptors fixed_source(source, length, unit);
-  const FixedPointDescriptors fixed_target(target, length, unit);
+  const FixedPointForm form(source, target, length);
+  std::optional<FixedPointDescriptors> fixed_source, fixed_target;
+  tbb::parallel_invoke([&] { fixed_source.emplace(source, form); }, [&] { fixed_target.emplace(target, form); });
   // The ratio test asks for the second nearest.
   const std::size_t k = std::max<std::size_t>(options.best, options.ratio < 1.0 ? 2 : 1);
-  BestMatches of_source(sources, k), of_target(targets, k);
-  search(fixed_source, fixed_target, of_source, of_target);
+  BestMatches of_source(*fixed_source, k), of_target(*fixed_target, k);
+  search(*fixed_source, *fixed_target, of_source, of_target);
 
   std::vector<Match> matches;
   const double squared_ratio = options.ratio * options.ratio;
@@ -107,7 +93,7 @@ std::vector<Match> match(std::span<const float> source, std::span<const float> t
       const std::uint32_t j = of_source.index(i, rank);
       if (j == BestMatches::kNone) break;
       if (options.mutual && !is_among_best(of_target, j, options.best, i)) continue;
-      const double distance = unit * std::sqrt(static_cast<double>(of_source.squared_distance(i, rank)));
+      const double distance = form.unit() * std::sqrt(static_cast<double>(of_source.squared_distance(i, rank)));
       matches.push_back({i, j, static_cast<float>(distance)});
     }
   }

@@ -18,12 +18,25 @@ struct RawPoints {
   std::size_t size;
 };
 
-/// Descriptors as whole numbers of `pairs` times two components.
+/// Descriptors that a tile holds.
+inline constexpr std::size_t kTileSize = 16;
+/// Queries that are compared with a tile at a time.
+inline constexpr std::size_t kQueryGroup = 4;
+/// Pairs of components after which distances are compared with what is wanted, before the others are looked at.
+inline constexpr std::size_t kLeadingPairs = 4;
+/// Components by which the boxes of tiles and of groups are told apart.
+inline constexpr std::size_t kBoxed = 4;
+
+/// Descriptors as whole numbers of `pairs` times two components, alike ones together.
 struct RawDescriptors {
-  const std::int16_t* rows;  ///< one after the other
-  const std::int16_t*
-      tiles;  ///< blocks of 16: pair 0 of each of the 16, pair 1 of each, ...; the last filled up with 0
-  const std::int32_t* squared_norms;  ///< up to the last block's end
+  const std::int16_t* rows;           ///< one after the other
+  const std::int16_t* tiles;          ///< pair 0 of each of the tile, pair 1 of each, ...; the last filled up with 0
+  const std::int32_t* squared_norms;  ///< up to the last tile's end
+  const std::int32_t* leading_norms;  ///< squared, of the leading pairs alone
+  const std::int32_t* numbers;        ///< what each is called in lists of matches
+  const std::int32_t* lows;           ///< boxes of tiles: entry c * box_stride + t is the least component c of tile t
+  const std::int32_t* highs;
+  std::size_t box_stride;
   std::size_t size;
   std::size_t pairs;
 };
@@ -31,11 +44,33 @@ struct RawDescriptors {
 inline constexpr std::size_t kMostMatches = 8;
 
 /// The best k, kMostMatches at most, of each of a number of descriptors, rank by rank: entry r * stride + i is of rank
-/// r of descriptor i. Ranks ascend by distance, then by index.
+/// r of descriptor i. Ranks ascend by distance, then by number. Distances behind the last descriptor, up to its tile's
+/// end, are -1, so that nothing is near enough for them.
 struct RawMatches {
   std::int32_t* distances;
-  std::uint32_t* indices;
+  std::int32_t* numbers;
   std::size_t stride;
+};
+
+/// Every parts-th group of queries, from `part` on.
+struct QueryPart {
+  std::size_t part;
+  std::size_t parts;
+
+  [[nodiscard]] std::size_t groups(std::size_t queries) const {
+    const std::size_t all = (queries + kQueryGroup - 1) / kQueryGroup;
+    return all > part ? (all - part + parts - 1) / parts : 0;
+  }
+  /// First query of the g-th of them.
+  [[nodiscard]] std::size_t first(std::size_t g) const { return kQueryGroup * (part + g * parts); }
+};
+
+/// Numbers that best_matches keeps meanwhile: a box and a tile for each group, a group and its distance for each tile.
+struct MatchScratch {
+  std::int32_t* boxes;
+  std::int32_t* tiles_of_groups;
+  std::int32_t* groups_of_tiles;
+  std::int32_t* distances_of_tiles;
 };
 
 /// Every pointer is set in every table. No function allocates or throws.
@@ -60,10 +95,9 @@ struct CloudKernels {
   /// histograms: rows of 48 floats, aligned; sum: 48, aligned.
   void (*weighted_histogram_sum)(const float* histograms, const std::uint32_t* rows, const float* squared,
                                  std::size_t n, float* sum);
-  /// Enters the distances between queries first to last - 1 and all targets into the best k of both; k >= 1.
-  void (*best_matches)(const RawDescriptors& queries, std::size_t first, std::size_t last,
-                       const RawDescriptors& targets, std::size_t k, const RawMatches& of_queries,
-                       const RawMatches& of_targets);
+  /// Enters the distances between a part of the queries and all targets into the best k of both; k >= 1.
+  void (*best_matches)(const RawDescriptors& queries, const QueryPart&, const RawDescriptors& targets, std::size_t k,
+                       const RawMatches& of_queries, const RawMatches& of_targets, const MatchScratch&);
   /// stale: PairBlock::kSize bits.
   void (*move_pairs)(PairBlock&, std::size_t n, const WorkingMotion&, std::uint64_t* stale);
   void (*pair_residuals)(const RawPoints& target, const PairBlock&, std::size_t n, const PairProblem&, float* squared);
@@ -99,8 +133,8 @@ void pair_feature_counts(const RawPoints&, std::uint32_t point, const std::uint3
                          std::uint32_t* counts);
 void weighted_histogram_sum(const float* histograms, const std::uint32_t* rows, const float* squared, std::size_t n,
                             float* sum);
-void best_matches(const RawDescriptors& queries, std::size_t first, std::size_t last, const RawDescriptors& targets,
-                  std::size_t k, const RawMatches& of_queries, const RawMatches& of_targets);
+void best_matches(const RawDescriptors& queries, const QueryPart&, const RawDescriptors& targets, std::size_t k,
+                  const RawMatches& of_queries, const RawMatches& of_targets, const MatchScratch&);
 void move_pairs(PairBlock&, std::size_t n, const WorkingMotion&, std::uint64_t* stale);
 void pair_residuals(const RawPoints& target, const PairBlock&, std::size_t n, const PairProblem&, float* squared);
 void pair_equations(const RawPoints& target, const PairBlock&, std::size_t n, const PairProblem&, PairEquations&);

@@ -2,157 +2,251 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstring>
 #include <limits>
 #include <new>
+#include <numeric>
 #include <stdexcept>
 #include <string>
+#include <utility>
 
 #include "../dispatch.hpp"
 #include "../kernel_arguments.hpp"
+#include "descriptor_order.hpp"
 
 namespace consimd {
 namespace {
 
+using detail::kBoxed;
+using detail::kLeadingPairs;
+using detail::kTileSize;
+
 constexpr std::align_val_t kAlignment{64};
-constexpr std::size_t kTileSize = 16;
 constexpr std::size_t kLongest = 4096;
 // The square of twice this is below 2^31, so that no squared distance overflows.
 constexpr double kLargestNorm = 23170.0;
 
 std::size_t padded(std::size_t size) { return (size + kTileSize - 1) / kTileSize * kTileSize; }
 
-void require_length(std::size_t length) {
-  if (length >= 1 && length <= kLongest) return;
-  throw std::invalid_argument("descriptors of length " + std::to_string(length) + ", expected 1 to " +
-                              std::to_string(kLongest));
+std::int32_t* allocate(std::size_t size) {
+  return static_cast<std::int32_t*>(::operator new[](size * sizeof(std::int32_t), kAlignment));
 }
 
-/// Parts of the one array of a FixedPointDescriptors, in its order: squared norms (each the place of two components),
-/// tiles, rows.
+/// Where in the one array of a FixedPointDescriptors each part begins; a pair of components takes a place.
 struct Parts {
-  std::size_t tiles;
-  std::size_t rows;
-  std::size_t end;
+  std::size_t leading_norms, numbers, lows, highs, tiles, rows, end;
+  std::size_t box_stride;
 
   Parts(std::size_t size, std::size_t pairs)
-      : tiles(2 * padded(size)), rows(tiles + 2 * pairs * padded(size)), end(rows + 2 * pairs * padded(size)) {}
+      : leading_norms(padded(size)),
+        numbers(2 * padded(size)),
+        lows(3 * padded(size)),
+        highs(lows + kBoxed * padded(padded(size) / kTileSize)),
+        tiles(highs + (highs - lows)),
+        rows(tiles + pairs * padded(size)),
+        end(rows + pairs * padded(size)),
+        box_stride((highs - lows) / kBoxed) {}
 };
+
+/// Sums of one component of all descriptors.
+struct Spread {
+  double sum = 0.0;
+  double squared = 0.0;
+
+  [[nodiscard]] double of(double count) const { return squared - sum * sum / count; }
+};
+
+/// Adds a set's components to the spreads; returns its largest squared norm.
+double add_spreads(std::span<const float> values, std::span<Spread> spreads) {
+  const std::size_t length = spreads.size();
+  double largest = 0.0;
+  for (std::size_t i = 0; i < values.size(); i += length) {
+    double squared = 0.0;
+    for (std::size_t c = 0; c < length; ++c) {
+      const auto value = static_cast<double>(values[i + c]);
+      spreads[c].sum += value;
+      spreads[c].squared += value * value;
+      squared += value * value;
+    }
+    if (!std::isfinite(squared)) {
+      throw std::invalid_argument("descriptor " + std::to_string(i / length) + " is not finite");
+    }
+    largest = std::max(largest, squared);
+  }
+  return largest;
+}
+
+/// To the nearest whole number, the even one of two, where |x| is below 2^51: the sum has no room for less.
+double rounded(double x) { return (x + 0x1.8p52) - 0x1.8p52; }
+
+[[noreturn]] void refuse(std::span<const float> descriptor, std::size_t i, const FixedPointForm& form) {
+  const std::string limit = std::to_string(kLargestNorm * form.unit());
+  for (std::size_t c = 0; c < descriptor.size(); ++c) {
+    if (std::abs(static_cast<double>(descriptor[c])) <= kLargestNorm * form.unit()) continue;
+    throw std::invalid_argument("descriptor " + std::to_string(i) + ": component " + std::to_string(c) + " is " +
+                                std::to_string(descriptor[c]) + ", expected a number within " + limit);
+  }
+  throw std::invalid_argument("descriptor " + std::to_string(i) + " is longer than " + limit);
+}
+
+/// Descriptors in units, their components in the form's order, in rows of `stride` numbers that are filled up with 0.
+std::vector<std::int16_t> whole_numbers(std::span<const float> values, const FixedPointForm& form, std::size_t stride) {
+  const std::size_t length = form.length();
+  std::vector<std::int16_t> whole(values.size() / length * stride);
+  std::vector<double> row(length);
+  for (std::size_t i = 0; i < values.size() / length; ++i) {
+    const std::span<const float> descriptor = values.subspan(i * length, length);
+    for (std::size_t c = 0; c < length; ++c) row[c] = static_cast<double>(descriptor[form.components()[c]]);
+    for (double& x : row) x = rounded(x / form.unit());
+    double squared = 0.0;
+    for (const double x : row) squared += x * x;
+    if (!(squared <= kLargestNorm * kLargestNorm)) refuse(descriptor, i, form);
+    for (std::size_t c = 0; c < length; ++c) whole[i * stride + c] = static_cast<std::int16_t>(row[c]);
+  }
+  return whole;
+}
 
 }  // namespace
 
-void FixedPointDescriptors::AlignedDelete::operator()(std::int16_t* p) const noexcept {
+FixedPointForm::FixedPointForm(std::span<const float> source, std::span<const float> target, std::size_t length) {
+  if (length < 1 || length > kLongest) {
+    throw std::invalid_argument("descriptors of length " + std::to_string(length) + ", expected 1 to " +
+                                std::to_string(kLongest));
+  }
+  detail::require_size("source", source.size(), source.size() / length * length);
+  detail::require_size("target", target.size(), target.size() / length * length);
+  std::vector<Spread> spreads(length);
+  const double largest = std::sqrt(std::max(add_spreads(source, spreads), add_spreads(target, spreads)));
+  // Rounding may lengthen a descriptor by half a unit a component.
+  const double most = kLargestNorm - 1.0 - std::sqrt(static_cast<double>(length)) / 2.0;
+  if (largest > 0.0) unit_ = std::max(largest / most, std::numeric_limits<double>::min());
+
+  const double count = static_cast<double>(source.size() + target.size()) / static_cast<double>(length);
+  components_.resize(length);
+  std::iota(components_.begin(), components_.end(), std::uint16_t{0});
+  std::stable_sort(components_.begin(), components_.end(),
+                   [&](std::uint16_t a, std::uint16_t b) { return spreads[a].of(count) > spreads[b].of(count); });
+}
+
+void FixedPointDescriptors::AlignedDelete::operator()(std::int32_t* p) const noexcept {
   ::operator delete[](p, kAlignment);
 }
 
-double FixedPointDescriptors::unit_for(double largest_norm, std::size_t length) {
-  require_length(length);
-  if (!std::isfinite(largest_norm) || largest_norm < 0.0) {
-    throw std::invalid_argument("largest_norm is " + std::to_string(largest_norm) + ", expected a finite number >= 0");
-  }
-  if (largest_norm == 0.0) return 1.0;
-  // Rounding may lengthen a descriptor by half a unit a component.
-  return std::max(largest_norm / (kLargestNorm - 1.0 - std::sqrt(static_cast<double>(length)) / 2.0),
-                  std::numeric_limits<double>::min());
-}
+FixedPointDescriptors::FixedPointDescriptors(std::span<const float> values, const FixedPointForm& form) : form_(form) {
+  const std::size_t size = values.size() / form.length();
+  detail::require_size("values", values.size(), size * form.length());
+  const std::size_t pairs = (form.length() + 1) / 2;
+  const std::vector<std::int16_t> whole = whole_numbers(values, form, 2 * pairs);
+  const std::vector<std::uint32_t> order = detail::alike_together(whole, 2 * pairs, 2 * kLeadingPairs, kTileSize);
+  places_.resize(size);
+  for (std::size_t place = 0; place < size; ++place) places_[order[place]] = static_cast<std::uint32_t>(place);
 
-FixedPointDescriptors::FixedPointDescriptors(std::span<const float> values, std::size_t length, double unit)
-    : size_(length == 0 ? 0 : values.size() / length), length_(length), pairs_((length + 1) / 2), unit_(unit) {
-  require_length(length);
-  detail::require_size("values", values.size(), size_ * length);
-  if (!std::isfinite(unit) || unit <= 0.0) {
-    throw std::invalid_argument("unit is " + std::to_string(unit) + ", expected a finite number above 0");
-  }
-  const Parts parts(size_, pairs_);
-  data_.reset(static_cast<std::int16_t*>(::operator new[](parts.end * sizeof(std::int16_t), kAlignment)));
-  std::fill_n(data_.get(), parts.end, std::int16_t{0});
-  auto* squared_norms = reinterpret_cast<std::int32_t*>(data_.get());
-  for (std::size_t i = 0; i < size_; ++i) {
-    std::int16_t* row = data_.get() + parts.rows + 2 * pairs_ * i;
-    double squared = 0.0;
-    for (std::size_t c = 0; c < length; ++c) {
-      const double value = std::nearbyint(static_cast<double>(values[i * length + c]) / unit);
-      if (!(std::abs(value) <= kLargestNorm)) {
-        throw std::invalid_argument("descriptor " + std::to_string(i) + ": component " + std::to_string(c) + " is " +
-                                    std::to_string(values[i * length + c]) + ", expected a number within " +
-                                    std::to_string(kLargestNorm * unit));
-      }
-      row[c] = static_cast<std::int16_t>(value);
-      squared += value * value;
+  const Parts parts(size, pairs);
+  data_.reset(allocate(parts.end));
+  std::int32_t* data = data_.get();
+  std::fill_n(data, parts.end, 0);
+  for (std::size_t place = 0; place < size; ++place) {
+    const std::int16_t* row = whole.data() + 2 * pairs * order[place];
+    const std::size_t tile = place / kTileSize;
+    const std::size_t in_tile = place % kTileSize;
+    const std::size_t leading = std::min(2 * pairs, 2 * kLeadingPairs);
+    data[parts.leading_norms + place] = std::inner_product(row, row + leading, row, 0);
+    data[place] = std::inner_product(row, row + 2 * pairs, row, 0);
+    data[parts.numbers + place] = static_cast<std::int32_t>(order[place]);
+    for (std::size_t c = 0; c < pairs; ++c) {
+      std::int32_t pair = 0;
+      std::memcpy(&pair, row + 2 * c, sizeof(pair));
+      data[parts.rows + pairs * place + c] = pair;
+      data[parts.tiles + kTileSize * (tile * pairs + c) + in_tile] = pair;
     }
-    if (squared > kLargestNorm * kLargestNorm) {
-      throw std::invalid_argument("descriptor " + std::to_string(i) + " has norm " +
-                                  std::to_string(std::sqrt(squared) * unit) + ", expected at most " +
-                                  std::to_string(kLargestNorm * unit));
+    for (std::size_t c = 0; c < std::min(kBoxed, 2 * pairs); ++c) {
+      std::int32_t& low = data[parts.lows + c * parts.box_stride + tile];
+      std::int32_t& high = data[parts.highs + c * parts.box_stride + tile];
+      low = in_tile == 0 ? row[c] : std::min<std::int32_t>(low, row[c]);
+      high = in_tile == 0 ? row[c] : std::max<std::int32_t>(high, row[c]);
     }
-    squared_norms[i] = static_cast<std::int32_t>(squared);
-    std::int16_t* tile = data_.get() + parts.tiles + 2 * pairs_ * (i / kTileSize * kTileSize) + 2 * (i % kTileSize);
-    for (std::size_t c = 0; c < pairs_; ++c) std::copy_n(row + 2 * c, 2, tile + 2 * kTileSize * c);
   }
 }
 
-void BestMatches::AlignedDelete::operator()(std::int32_t* p) const noexcept { ::operator delete[](p, kAlignment); }
-
-BestMatches::BestMatches(std::size_t size, std::size_t k) : size_(size), k_(k), stride_(padded(size)) {
+BestMatches::BestMatches(const FixedPointDescriptors& of, std::size_t k)
+    : places_(of.places_), k_(k), stride_(padded(of.size())) {
   if (k < 1 || k > detail::kMostMatches) {
     throw std::invalid_argument("k is " + std::to_string(k) + ", expected 1 to " +
                                 std::to_string(detail::kMostMatches));
   }
-  data_.reset(static_cast<std::int32_t*>(::operator new[](2 * k_ * stride_ * sizeof(std::int32_t), kAlignment)));
-  std::fill_n(data_.get(), k_ * stride_, std::numeric_limits<std::int32_t>::max());
-  std::fill_n(reinterpret_cast<std::uint32_t*>(data_.get() + k_ * stride_), k_ * stride_, kNone);
+  data_.reset(allocate(2 * k_ * stride_));
+  for (std::size_t rank = 0; rank < k_; ++rank) {
+    std::int32_t* distances = data_.get() + rank * stride_;
+    std::fill_n(distances, size(), std::numeric_limits<std::int32_t>::max());
+    std::fill(distances + size(), distances + stride_, -1);
+  }
+  std::fill_n(data_.get() + k_ * stride_, k_ * stride_, static_cast<std::int32_t>(kNone));
 }
 
 void BestMatches::merge(const BestMatches& other) {
-  detail::require_size("other", other.size_, size_);
+  detail::require_size("other", other.size(), size());
   detail::require_size("a list of other", other.k_, k_);
-  std::int32_t* mine = data_.get();
-  auto* my_indices = reinterpret_cast<std::uint32_t*>(data_.get() + k_ * stride_);
-  for (std::size_t i = 0; i < size_; ++i) {
-    for (std::size_t from = 0; from < k_; ++from) {
-      const std::int32_t distance = other.squared_distance(i, from);
-      const std::uint32_t index = other.index(i, from);
-      const auto comes_first = [&](std::size_t rank) {
-        const std::size_t at = rank * stride_ + i;
-        return distance < mine[at] || (distance == mine[at] && index < my_indices[at]);
-      };
-      std::size_t rank = k_ - 1;
-      if (!comes_first(rank)) break;
-      for (; rank > 0 && comes_first(rank - 1); --rank) {
-        mine[rank * stride_ + i] = mine[(rank - 1) * stride_ + i];
-        my_indices[rank * stride_ + i] = my_indices[(rank - 1) * stride_ + i];
-      }
-      mine[rank * stride_ + i] = distance;
-      my_indices[rank * stride_ + i] = index;
+  if (other.places_ != places_) throw std::invalid_argument("other has the matches of other descriptors");
+  using Key = std::pair<std::int32_t, std::uint32_t>;
+  const auto key = [](const BestMatches& list, std::size_t at) { return Key(list.data_[at], list.numbers()[at]); };
+  std::vector<Key> both(2 * k_);
+  for (std::size_t place = 0; place < size(); ++place) {
+    for (std::size_t rank = 0; rank < k_; ++rank) {
+      both[rank] = key(*this, rank * stride_ + place);
+      both[k_ + rank] = key(other, rank * stride_ + place);
+    }
+    std::inplace_merge(both.begin(), both.begin() + static_cast<std::ptrdiff_t>(k_), both.end());
+    for (std::size_t rank = 0; rank < k_; ++rank) {
+      data_[rank * stride_ + place] = both[rank].first;
+      data_[(k_ + rank) * stride_ + place] = static_cast<std::int32_t>(both[rank].second);
     }
   }
 }
 
-void best_matches(const FixedPointDescriptors& queries, std::size_t first, std::size_t last,
-                  const FixedPointDescriptors& targets, BestMatches& of_queries, BestMatches& of_targets) {
-  if (queries.length_ != targets.length_ || queries.unit_ != targets.unit_) {
-    throw std::invalid_argument("descriptors of length " + std::to_string(queries.length_) + " and unit " +
-                                std::to_string(queries.unit_) + " against length " + std::to_string(targets.length_) +
-                                " and unit " + std::to_string(targets.unit_));
+void best_matches(const FixedPointDescriptors& queries, const FixedPointDescriptors& targets, BestMatches& of_queries,
+                  BestMatches& of_targets, std::size_t part, std::size_t parts) {
+  if (queries.form_ != targets.form_) {
+    throw std::invalid_argument("descriptors of length " + std::to_string(queries.form_.length()) + " and unit " +
+                                std::to_string(queries.form_.unit()) + " against length " +
+                                std::to_string(targets.form_.length()) + " and unit " +
+                                std::to_string(targets.form_.unit()) + " or another order of components");
   }
-  detail::require_size("of_queries", of_queries.size_, queries.size_);
-  detail::require_size("of_targets", of_targets.size_, targets.size_);
+  detail::require_size("of_queries", of_queries.size(), queries.size());
+  detail::require_size("of_targets", of_targets.size(), targets.size());
   detail::require_size("a list of of_targets", of_targets.k_, of_queries.k_);
-  if (first > last || last > queries.size_) {
-    throw std::out_of_range("queries from " + std::to_string(first) + " to " + std::to_string(last) + " of " +
-                            std::to_string(queries.size_));
+  if (part >= parts) {
+    throw std::out_of_range("part " + std::to_string(part) + " of " + std::to_string(parts));
   }
   const auto raw = [](const FixedPointDescriptors& d) {
-    const Parts parts(d.size_, d.pairs_);
-    const std::int16_t* data = d.data_.get();
-    return detail::RawDescriptors{data + parts.rows, data + parts.tiles, reinterpret_cast<const std::int32_t*>(data),
-                                  d.size_, d.pairs_};
+    const std::size_t pairs = (d.form_.length() + 1) / 2;
+    const Parts at(d.size(), pairs);
+    const std::int32_t* data = d.data_.get();
+    return detail::RawDescriptors{.rows = reinterpret_cast<const std::int16_t*>(data + at.rows),
+                                  .tiles = reinterpret_cast<const std::int16_t*>(data + at.tiles),
+                                  .squared_norms = data,
+                                  .leading_norms = data + at.leading_norms,
+                                  .numbers = data + at.numbers,
+                                  .lows = data + at.lows,
+                                  .highs = data + at.highs,
+                                  .box_stride = at.box_stride,
+                                  .size = d.size(),
+                                  .pairs = pairs};
   };
   const auto raw_matches = [](BestMatches& m) {
-    return detail::RawMatches{m.data_.get(), reinterpret_cast<std::uint32_t*>(m.data_.get() + m.k_ * m.stride_),
-                              m.stride_};
+    return detail::RawMatches{m.data_.get(), m.data_.get() + m.k_ * m.stride_, m.stride_};
   };
-  detail::active_table().clouds.best_matches(raw(queries), first, last, raw(targets), of_queries.k_,
-                                             raw_matches(of_queries), raw_matches(of_targets));
+  const detail::QueryPart query_part{part, parts};
+  const std::size_t groups = query_part.groups(queries.size());
+  const std::size_t tiles = padded(padded(targets.size()) / kTileSize);
+  const std::unique_ptr<std::int32_t[], FixedPointDescriptors::AlignedDelete> numbers(
+      allocate(2 * tiles + (2 * kBoxed + 1) * groups));
+  std::int32_t* const of_groups = numbers.get() + 2 * tiles;
+  detail::active_table().clouds.best_matches(raw(queries), query_part, raw(targets), of_queries.k_,
+                                             raw_matches(of_queries), raw_matches(of_targets),
+                                             {.boxes = of_groups + groups,
+                                              .tiles_of_groups = of_groups,
+                                              .groups_of_tiles = numbers.get(),
+                                              .distances_of_tiles = numbers.get() + tiles});
 }
 
 }  // namespace consimd

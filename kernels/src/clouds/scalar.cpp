@@ -192,32 +192,39 @@ void weighted_histogram_sum(const float* histograms, const std::uint32_t* rows, 
 
 namespace {
 
-/// Enters a distance below the last rank's; equal ones stay in the order in which they come.
-void enter(const RawMatches& best, std::size_t k, std::size_t i, std::int32_t distance, std::uint32_t index) {
+/// Enters a match before those that are farther, or as far and of a higher number.
+void enter(const RawMatches& best, std::size_t k, std::size_t i, std::int32_t distance, std::int32_t number) {
+  const auto comes_first = [&](std::size_t rank) {
+    const std::size_t at = rank * best.stride + i;
+    return distance < best.distances[at] || (distance == best.distances[at] && number < best.numbers[at]);
+  };
   std::size_t rank = k - 1;
-  if (!(distance < best.distances[rank * best.stride + i])) return;
-  for (; rank > 0 && distance < best.distances[(rank - 1) * best.stride + i]; --rank) {
+  if (!comes_first(rank)) return;
+  for (; rank > 0 && comes_first(rank - 1); --rank) {
     best.distances[rank * best.stride + i] = best.distances[(rank - 1) * best.stride + i];
-    best.indices[rank * best.stride + i] = best.indices[(rank - 1) * best.stride + i];
+    best.numbers[rank * best.stride + i] = best.numbers[(rank - 1) * best.stride + i];
   }
   best.distances[rank * best.stride + i] = distance;
-  best.indices[rank * best.stride + i] = index;
+  best.numbers[rank * best.stride + i] = number;
 }
 
 }  // namespace
 
-void best_matches(const RawDescriptors& queries, std::size_t first, std::size_t last, const RawDescriptors& targets,
-                  std::size_t k, const RawMatches& of_queries, const RawMatches& of_targets) {
+void best_matches(const RawDescriptors& queries, const QueryPart& part, const RawDescriptors& targets, std::size_t k,
+                  const RawMatches& of_queries, const RawMatches& of_targets, const MatchScratch& /*unused*/) {
   const std::size_t length = 2 * queries.pairs;
-  for (std::size_t i = first; i < last; ++i) {
-    for (std::size_t j = 0; j < targets.size; ++j) {
-      std::int32_t product = 0;
-      for (std::size_t c = 0; c < length; ++c) {
-        product += std::int32_t{queries.rows[i * length + c]} * std::int32_t{targets.rows[j * length + c]};
+  for (std::size_t g = 0; g < part.groups(queries.size); ++g) {
+    const std::size_t first = part.first(g);
+    for (std::size_t i = first; i < queries.size && i < first + kQueryGroup; ++i) {
+      for (std::size_t j = 0; j < targets.size; ++j) {
+        std::int32_t product = 0;
+        for (std::size_t c = 0; c < length; ++c) {
+          product += std::int32_t{queries.rows[i * length + c]} * std::int32_t{targets.rows[j * length + c]};
+        }
+        const std::int32_t distance = queries.squared_norms[i] + targets.squared_norms[j] - 2 * product;
+        enter(of_queries, k, i, distance, targets.numbers[j]);
+        enter(of_targets, k, j, distance, queries.numbers[i]);
       }
-      const std::int32_t distance = queries.squared_norms[i] + targets.squared_norms[j] - 2 * product;
-      enter(of_queries, k, i, distance, static_cast<std::uint32_t>(j));
-      enter(of_targets, k, j, distance, static_cast<std::uint32_t>(i));
     }
   }
 }
