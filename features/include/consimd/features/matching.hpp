@@ -31,9 +31,9 @@ struct Match {
 
 /// Matches by Euclidean distance, by source descriptor, nearest first. source, target: rows of `length` numbers, any
 /// descriptors (FPFH, learned ones). As if all distances were computed, in fixed point (see descriptor_matches.hpp), in
-/// memory that grows with the number of descriptors alone; of equally near descriptors the earlier one counts as nearer.
-/// In parallel; the same for any number of threads and instruction set. Throws std::invalid_argument on bad options, on
-/// a size that is no multiple of the length, on values that are not finite, and where there are more than
+/// memory that grows with the number of descriptors alone; of equally near descriptors the earlier one counts as
+/// nearer. In parallel; the same for any number of threads and instruction set. Throws std::invalid_argument on bad
+/// options, on a size that is no multiple of the length, on values that are not finite, and where there are more than
 /// `most_distances` pairs.
 [[nodiscard]] std::vector<Match> match(std::span<const float> source, std::span<const float> target, std::size_t length,
                                        const MatchOptions& options = {});
