@@ -42,4 +42,12 @@ inline Point moved(const WorkingPose& pose, const Point& p) {
           r[6] * p.x + r[7] * p.y + r[8] * p.z + t[2]};
 }
 
+inline Point moved_back(const WorkingPose& pose, const Point& q) {
+  const float x = q.x - pose.translation[0];
+  const float y = q.y - pose.translation[1];
+  const float z = q.z - pose.translation[2];
+  const float* r = pose.rotation;
+  return {r[0] * x + r[3] * y + r[6] * z, r[1] * x + r[4] * y + r[7] * z, r[2] * x + r[5] * y + r[8] * z};
+}
+
 }  // namespace consimd::detail

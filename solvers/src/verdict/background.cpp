@@ -4,6 +4,7 @@
 #include <array>
 #include <cstdint>
 #include <optional>
+#include <span>
 #include <utility>
 #include <vector>
 
@@ -154,6 +155,11 @@ double Background::measured(const WorkingPose& pose, double enough) const {
     // Two lines determine a pose, whatever rows they have.
     const bool is_told = along.empty() || supports(view, pose, noise_bound_, radius, along).front().spread > 2.0;
     most = std::max(most, is_told ? detail::log_false_poses(size, found, chances) : 0.0);
+  }
+  if (most >= enough) return most;
+  if (const auto along = few_coherent_lines(view, pose, noise_bound_, radius)) {
+    const Supports lines = supports(view, pose, noise_bound_, radius, std::span(&*along, 1));
+    most = std::max(most, lines.front().spread > 2.0 ? detail::log_false_poses(size, lines, at_random) : 0.0);
   }
   if (most >= enough) return most;
   const auto& [alike, alike_lengths] = lookalikes();

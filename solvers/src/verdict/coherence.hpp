@@ -4,7 +4,10 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <vector>
+
+#include <Eigen/Core>
 
 #include <consimd/kernels/correspondences.hpp>
 #include <consimd/kernels/kernel_data.hpp>
@@ -37,5 +40,12 @@ class Coherence {
   std::vector<Pair> pairs_;
   std::array<double, kSteps> by_chance_{};  // share of pairs whose targets are about as far apart as the step is
 };
+
+/// The direction, source frame, along which supporters of the pose lie on so few lines that these may have come into
+/// place by chance, each with all its rows, if rows of a line along it do come together: of two that are no supporters,
+/// farther apart than `radius` and closer across the direction, the targets are as far apart as the sources far more
+/// often than those of any two. noise_bound, radius: caller's unit.
+[[nodiscard]] std::optional<Eigen::Vector3f> few_coherent_lines(const CorrespondenceView& view, const WorkingPose& pose,
+                                                                double noise_bound, double radius);
 
 }  // namespace consimd::detail

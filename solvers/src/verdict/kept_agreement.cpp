@@ -55,14 +55,6 @@ double count_with(const SetCounts& counts, std::size_t bits) {
   return sum;
 }
 
-Point moved_back(const WorkingPose& pose, const Point& q) {
-  const float x = q.x - pose.translation[0];
-  const float y = q.y - pose.translation[1];
-  const float z = q.z - pose.translation[2];
-  const float* r = pose.rotation;
-  return {r[0] * x + r[3] * y + r[6] * z, r[1] * x + r[4] * y + r[7] * z, r[2] * x + r[5] * y + r[8] * z};
-}
-
 // What is kept by the rows that the pose misses, and by mismatched pairs of a source and a target.
 class Agreement {
  public:

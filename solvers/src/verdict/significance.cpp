@@ -6,6 +6,7 @@
 #include "call/option_checks.hpp"
 #include "support/repeated_points.hpp"
 #include "verdict/background.hpp"
+#include "verdict/coherence.hpp"
 #include "verdict/false_poses.hpp"
 #include "verdict/kept_structure.hpp"
 #include "verdict/pairing_chances.hpp"
@@ -86,7 +87,9 @@ Significance significance(const Correspondences& correspondences, const WorkingP
   }
   double false_poses = glance(view, pose, noise_bound);
   if (false_poses > kEnough) false_poses = std::min(false_poses, second_glance(correspondences, pose, noise_bound));
-  return {false_poses / std::numbers::ln10};
+  const bool is_in_doubt = false_poses < kEnough &&
+                           detail::few_coherent_lines(view, pose, noise_bound, detail::kLargestRadius * noise_bound);
+  return {is_in_doubt ? detail::kBeyondDoubt : false_poses / std::numbers::ln10};
 }
 
 }  // namespace consimd
