@@ -1,13 +1,12 @@
 #include "cloud_arguments.hpp"
 
 #include <algorithm>
-#include <charconv>
 #include <cmath>
 #include <iterator>
 #include <stdexcept>
 #include <string_view>
-#include <system_error>
 #include <utility>
+#include <vector>
 
 #include <fmt/format.h>
 
@@ -51,14 +50,13 @@ features::MatchOptions matches_of(const std::string& text) {
 
 /// X,Y,Z, or nothing where the text is something else.
 Viewpoint place_of(const std::string& text) {
+  const std::vector<std::string_view> parts = text::split(text, ',');
   std::array<double, 3> place{};
-  const char* at = text.data();
-  const char* const end = text.data() + text.size();
+  if (parts.size() != place.size()) return std::nullopt;
   for (std::size_t axis = 0; axis < 3; ++axis) {
-    const auto [rest, error] = std::from_chars(at, end, place[axis]);
-    const bool ends_well = axis < 2 ? rest != end && *rest == ',' : rest == end;
-    if (error != std::errc() || !ends_well || !std::isfinite(place[axis])) return std::nullopt;
-    at = rest + (axis < 2 ? 1 : 0);
+    const auto value = text::number_in<double>(parts[axis]);
+    if (!value || !std::isfinite(*value)) return std::nullopt;
+    place[axis] = *value;
   }
   return place;
 }
@@ -74,17 +72,15 @@ Viewpoint cloud_viewpoint(const char* option, const std::optional<std::string>& 
 std::vector<std::size_t> columns_in(std::string_view list) {
   constexpr std::size_t kMost = 1'000'000;
   std::vector<std::size_t> columns;
-  for (;;) {
-    const std::size_t comma = list.find(',');
-    const std::size_t column = text::number_in<std::size_t>(list.substr(0, comma)).value_or(0);
+  for (const std::string_view part : text::split(list, ',')) {
+    const std::size_t column = text::number_in<std::size_t>(part).value_or(0);
     const std::size_t of_point = columns.size() % 3;
     const bool is_there =
         std::find(columns.end() - static_cast<std::ptrdiff_t>(of_point), columns.end(), column) != columns.end();
     if (column < 1 || column > kMost || is_there) return {};
     columns.push_back(column);
-    if (comma == std::string_view::npos) return columns;
-    list.remove_prefix(comma + 1);
   }
+  return columns;
 }
 
 }  // namespace

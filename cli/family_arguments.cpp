@@ -24,15 +24,11 @@ template <typename Parse>
 auto values_of(std::string_view option, std::string_view list, const Parse& parse) {
   std::vector<decltype(parse(list))> values;
   try {
-    for (;;) {
-      const std::size_t comma = list.find(',');
-      values.push_back(parse(list.substr(0, comma)));
-      if (comma == std::string_view::npos) return values;
-      list.remove_prefix(comma + 1);
-    }
+    for (const std::string_view part : text::split(list, ',')) values.push_back(parse(part));
   } catch (const std::invalid_argument& error) {
     throw std::invalid_argument(fmt::format("{}: {}", option, error.what()));
   }
+  return values;
 }
 
 }  // namespace

@@ -1,4 +1,4 @@
-// Words, numbers and comments of text, for all that reads files and arguments. Not installed.
+// Lines, words, numbers and comments of text, for all that reads files and arguments. Not installed.
 #pragma once
 
 #include <algorithm>
@@ -9,6 +9,7 @@
 #include <string>
 #include <string_view>
 #include <system_error>
+#include <vector>
 
 namespace consimd::text {
 
@@ -30,6 +31,41 @@ inline constexpr std::string_view kBlanks = " \t\v\f\r";
 [[nodiscard]] inline std::string_view without_mark(std::string_view text) noexcept {
   if (text.starts_with("\xEF\xBB\xBF")) text.remove_prefix(3);
   return text;
+}
+
+/// Takes the first line off a text, without the line feed that ends it.
+[[nodiscard]] inline std::string_view take_line(std::string_view& rest) noexcept {
+  const std::string_view line = rest.substr(0, rest.find('\n'));
+  rest.remove_prefix(std::min(rest.size(), line.size() + 1));
+  return line;
+}
+
+/// The parts between separators, a character or any of a string's: one more than there are of these, some perhaps
+/// empty.
+template <typename Separators>
+[[nodiscard]] std::vector<std::string_view> split(std::string_view text, const Separators& separators) {
+  std::vector<std::string_view> parts;
+  for (;;) {
+    const std::size_t end = text.find_first_of(separators);
+    parts.push_back(text.substr(0, end));
+    if (end == std::string_view::npos) return parts;
+    text.remove_prefix(end + 1);
+  }
+}
+
+/// What separates the words of a line: a semicolon or comma where it has any, else a tab where `tabs` says so, else
+/// blanks.
+[[nodiscard]] inline char separator_of(std::string_view line, bool tabs) noexcept {
+  for (const char separator : {';', ','}) {
+    if (line.find(separator) != std::string_view::npos) return separator;
+  }
+  return tabs && line.find('\t') != std::string_view::npos ? '\t' : ' ';
+}
+
+/// The length of a word in quotes at the beginning of a line, these included; 0 where it begins with none.
+[[nodiscard]] inline std::size_t quoted_length(std::string_view line) noexcept {
+  const std::size_t closing = line.starts_with('"') ? line.find('"', 1) : std::string_view::npos;
+  return closing == std::string_view::npos ? 0 : closing + 1;
 }
 
 /// The number that the whole text is, within the range of its type.

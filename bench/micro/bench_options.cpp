@@ -19,20 +19,9 @@ namespace {
 
 constexpr std::size_t kLargest = 10'000'000;
 
-/// What stands between the commas.
-std::vector<std::string_view> parts_of(std::string_view list) {
-  std::vector<std::string_view> parts;
-  for (;;) {
-    const std::size_t comma = list.find(',');
-    parts.push_back(list.substr(0, comma));
-    if (comma == std::string_view::npos) return parts;
-    list.remove_prefix(comma + 1);
-  }
-}
-
 std::vector<std::size_t> numbers_of(std::string_view option, std::string_view list, std::size_t least) {
   std::vector<std::size_t> numbers;
-  for (const std::string_view part : parts_of(list)) {
+  for (const std::string_view part : text::split(list, ',')) {
     const auto number = text::number_in<std::size_t>(part);
     if (!number || *number < least || *number > kLargest) {
       throw std::invalid_argument(fmt::format("{}: expected whole numbers from {} to {}, separated by commas, got '{}'",
@@ -48,7 +37,7 @@ std::vector<Isa> isas_of(std::string_view list) {
   std::vector<std::string_view> names;
   for (const Isa isa : supported) names.push_back(to_string(isa));
   std::vector<Isa> isas;
-  for (const std::string_view part : parts_of(list)) {
+  for (const std::string_view part : text::split(list, ',')) {
     const auto found = std::ranges::find(names, part);
     if (found == names.end()) {
       throw std::invalid_argument(

@@ -38,9 +38,6 @@ struct Word {
   bool quoted = false;
 };
 
-/// What separates the numbers of a line beside blanks: semicolons where it has any, else commas.
-char separator_of(std::string_view line) { return line.find(';') == std::string_view::npos ? ',' : ';'; }
-
 /// Whether a word is a number but for the comma in the place of its point.
 bool has_decimal_comma(std::string_view word) {
   constexpr std::string_view kDigits = "0123456789";
@@ -109,11 +106,9 @@ std::string_view take_line(std::string_view& rest) {
 
 /// How many characters of a line are a word in quotes and these, where it begins with one; else 0.
 std::size_t quoted_length(std::string_view line, std::string_view ends) {
-  if (!line.starts_with('"')) return 0;
-  const std::size_t closing = line.find('"', 1);
-  if (closing == std::string_view::npos) return 0;
-  const bool ends_there = closing + 1 == line.size() || ends.find(line[closing + 1]) != std::string_view::npos;
-  return ends_there ? closing + 1 : 0;
+  const std::size_t quoted = text::quoted_length(line);
+  if (quoted == 0 || quoted == line.size()) return quoted;
+  return ends.find(line[quoted]) != std::string_view::npos ? quoted : 0;
 }
 
 /// Calls use(word) for the words of a line that is not empty: between blanks and separators. Blanks around a separator
@@ -167,20 +162,12 @@ bool is_name(Word word) {
   return error == std::errc::invalid_argument || rest != end;
 }
 
-/// What separates the names of a line: a semicolon, comma or tab where it has any, so that names may hold blanks.
-char separator_of_names(std::string_view line) {
-  for (const char separator : {';', ',', '\t'}) {
-    if (line.find(separator) != std::string_view::npos) return separator;
-  }
-  return ' ';
-}
-
-/// Calls use(word) for the words of a line of names.
+/// Calls use(word) for the words of a line of names, which hold blanks where something else separates them.
 template <typename Use>
 void for_each_name(std::string_view line, const Use& use) {
-  const char separator = separator_of_names(line);
+  const char separator = text::separator_of(line, true);
   if (separator == ' ') {
-    for_each_word(line, ',', use);
+    for_each_word(line, separator, use);
     return;
   }
   if (separator != '\t' && line.ends_with(separator)) {
@@ -248,7 +235,7 @@ NumberTable read_number_table(const std::filesystem::path& path) {
         table.names = names_of(line);
         if (!table.names.empty()) continue;
       }
-      const char separator = separator_of(line);
+      const char separator = text::separator_of(line, false);
       for_each_word(line, separator, [&](Word word) {
         table.values.push_back(parse(word, separator, table.values.size() - begin + 1));
       });

@@ -17,7 +17,11 @@
 
 #include "dispatch.hpp"
 
-namespace consimd::test {
+namespace consimd {
+
+inline void PrintTo(Isa isa, std::ostream* out) { *out << to_string(isa); }
+
+namespace test {
 
 /// `size` elements on their own 64-byte aligned piece of the heap: a sanitizer sees any access beyond.
 template <typename T>
@@ -183,4 +187,5 @@ void expect_consensus(const RawCloud& cloud, std::size_t hypotheses, Passes pass
   ASSERT_EQ(bits.values(), expected_bits);
 }
 
-}  // namespace consimd::test
+}  // namespace test
+}  // namespace consimd

@@ -2,11 +2,11 @@
 #include <consimd/solvers/tcf.hpp>
 #include <consimd/synth/hard_problems.hpp>
 
-#include <array>
 #include <ostream>
 #include <string>
 #include <tuple>
 
+#include "outlier_models.hpp"
 #include "problems.hpp"
 
 namespace consimd::test {
@@ -29,27 +29,22 @@ struct Batch {
 
 void PrintTo(const Batch& batch, std::ostream* out) { *out << batch.name; }
 
-std::string name_of(synth::OutlierModel model) {
-  constexpr std::array kNames{"uniform", "permuted", "clustered", "one_to_many", "many_to_many"};
-  return kNames[static_cast<std::size_t>(model)];
-}
-
 /// 10 000 problems without any true pose. Success promises less than 10^-3 false poses, so that 10 of them may have
 /// one. The parts of clustered problems share 10; in all others random pairings of the same points are what the
 /// significance takes chance to be, and hardly one in a hundred thousand may have one.
 class Calibration : public ::testing::TestWithParam<std::tuple<synth::OutlierModel, Batch>> {};
 INSTANTIATE_TEST_SUITE_P(
     Parts, Calibration,
-    ::testing::Combine(::testing::Values(synth::OutlierModel::uniform, synth::OutlierModel::permuted,
-                                         synth::OutlierModel::clustered, synth::OutlierModel::one_to_many,
-                                         synth::OutlierModel::many_to_many),
+    ::testing::Combine(::testing::ValuesIn(kOutlierModels),
                        ::testing::Values(Batch{"a_dozen", {5, 25}, {1.0, 6.0}, 800, 4},
                                          Batch{"dozens", {25, 64}, {1.0, 6.0}, 500, 2},
                                          Batch{"a_hundred", {64, 127}, {1.0, 6.0}, 250, 1},
                                          Batch{"hundreds", {128, 500}, {1.0, 6.0}, 150, 2},
                                          // Few pairs agree in length, so that three supporters are rare by chance.
                                          Batch{"hundreds_far_apart", {128, 500}, {0.1, 0.6}, 300, 1})),
-    [](const auto& test) { return name_of(std::get<0>(test.param)) + "_" + std::get<1>(test.param).name; });
+    [](const auto& test) {
+      return std::string(name_of(std::get<0>(test.param))) + "_" + std::get<1>(test.param).name;
+    });
 
 TEST_P(Calibration, PosesByChanceAreAsRareAsPromised) {
   const auto& [model, batch] = GetParam();

@@ -16,6 +16,7 @@
 #include <vector>
 
 #include "comparison.hpp"
+#include "outlier_models.hpp"
 #include "problems.hpp"
 
 namespace consimd::test {
@@ -232,9 +233,7 @@ TEST_P(CliqueSolver, StatusesNameWhatIsThere) {
 }
 
 TEST_P(CliqueSolver, GivesNoPoseWhereThereIsNone) {
-  for (const synth::OutlierModel outliers :
-       {synth::OutlierModel::uniform, synth::OutlierModel::permuted, synth::OutlierModel::clustered,
-        synth::OutlierModel::one_to_many, synth::OutlierModel::many_to_many}) {
+  for (const synth::OutlierModel outliers : kOutlierModels) {
     for (const std::size_t size : {5U, 30U, 300U}) {
       for (std::uint64_t trial = 0; trial < trials(20); ++trial) {
         const Problem problem =

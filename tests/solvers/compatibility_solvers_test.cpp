@@ -15,6 +15,7 @@
 #include <utility>
 
 #include "comparison.hpp"
+#include "outlier_models.hpp"
 #include "problems.hpp"
 
 namespace consimd::test {
@@ -144,9 +145,7 @@ TEST_P(CompatibilitySolver, DegenerateInputHasNoPose) {
 }
 
 TEST_P(CompatibilitySolver, GivesNoPoseWhereThereIsNone) {
-  for (const auto outliers :
-       {synth::OutlierModel::uniform, synth::OutlierModel::permuted, synth::OutlierModel::clustered,
-        synth::OutlierModel::one_to_many, synth::OutlierModel::many_to_many}) {
+  for (const auto outliers : kOutlierModels) {
     for (const std::size_t size : {5U, 30U, 300U}) {
       for (std::uint64_t trial = 0; trial < trials(10); ++trial) {
         const Problem problem =

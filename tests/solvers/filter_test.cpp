@@ -11,6 +11,7 @@
 #include <optional>
 #include <string>
 
+#include "outlier_models.hpp"
 #include "problems.hpp"
 
 namespace consimd::test {
@@ -106,10 +107,7 @@ TEST(Filter, KeepsRowsThatAgreePairwise) {
 }
 
 class FilterWithoutPose : public ::testing::TestWithParam<synth::OutlierModel> {};
-INSTANTIATE_TEST_SUITE_P(OutlierModels, FilterWithoutPose,
-                         ::testing::Values(synth::OutlierModel::uniform, synth::OutlierModel::permuted,
-                                           synth::OutlierModel::clustered, synth::OutlierModel::one_to_many,
-                                           synth::OutlierModel::many_to_many));
+INSTANTIATE_TEST_SUITE_P(OutlierModels, FilterWithoutPose, ::testing::ValuesIn(kOutlierModels));
 
 TEST_P(FilterWithoutPose, GivesNone) {
   // The rows that the filter keeps agree pairwise, by chance: among all rows that is what chance gives.

@@ -22,6 +22,7 @@
 
 #include <Eigen/Geometry>
 
+#include "outlier_models.hpp"
 #include "problems.hpp"
 
 namespace consimd::test {
@@ -183,12 +184,9 @@ TEST_P(NoiseBoundOfPerfectData, IsSmallAndGivesThePose) {
 }
 
 class NoiseBoundOfOutliers : public ::testing::TestWithParam<std::tuple<synth::OutlierModel, std::size_t>> {};
-INSTANTIATE_TEST_SUITE_P(
-    Models, NoiseBoundOfOutliers,
-    ::testing::Combine(::testing::Values(synth::OutlierModel::uniform, synth::OutlierModel::permuted,
-                                         synth::OutlierModel::clustered, synth::OutlierModel::one_to_many,
-                                         synth::OutlierModel::many_to_many),
-                       ::testing::Values(3, 4, 5, 20, 100, 400)));
+INSTANTIATE_TEST_SUITE_P(Models, NoiseBoundOfOutliers,
+                         ::testing::Combine(::testing::ValuesIn(kOutlierModels),
+                                            ::testing::Values(3, 4, 5, 20, 100, 400)));
 
 TEST_P(NoiseBoundOfOutliers, GivesNoPose) {
   const auto [model, size] = GetParam();

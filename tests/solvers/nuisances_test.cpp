@@ -10,6 +10,7 @@
 #include <cmath>
 #include <limits>
 #include <optional>
+#include <ostream>
 #include <random>
 #include <string>
 #include <vector>
@@ -32,6 +33,8 @@ struct Nuisance {
   double bound_with;
   Status expected = Status::success;
 };
+
+void PrintTo(const Nuisance& nuisance, std::ostream* out) { *out << nuisance.name; }
 
 Problem forty_rows(std::uint64_t trial) {
   return synth::hard_problem(

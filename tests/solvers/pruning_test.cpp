@@ -5,9 +5,16 @@
 
 #include <algorithm>
 #include <functional>
+#include <ostream>
 #include <tuple>
 
 #include "problems.hpp"
+
+namespace consimd::detail {
+
+void PrintTo(Merit merit, std::ostream* out) { *out << (merit == Merit::degree ? "degree" : "excess"); }
+
+}  // namespace consimd::detail
 
 namespace consimd::test {
 namespace {

@@ -17,6 +17,7 @@
 #include <vector>
 
 #include "comparison.hpp"
+#include "outlier_models.hpp"
 #include "problems.hpp"
 
 namespace consimd::test {
@@ -364,12 +365,8 @@ TEST_P(RansacStatuses, NameWhatIsThere) {
 }
 
 class RansacWithoutPose : public ::testing::TestWithParam<std::tuple<synth::OutlierModel, std::size_t>> {};
-INSTANTIATE_TEST_SUITE_P(
-    OutliersAndSizes, RansacWithoutPose,
-    ::testing::Combine(::testing::Values(synth::OutlierModel::uniform, synth::OutlierModel::permuted,
-                                         synth::OutlierModel::clustered, synth::OutlierModel::one_to_many,
-                                         synth::OutlierModel::many_to_many),
-                       ::testing::Values(5, 30, 300)));
+INSTANTIATE_TEST_SUITE_P(OutliersAndSizes, RansacWithoutPose,
+                         ::testing::Combine(::testing::ValuesIn(kOutlierModels), ::testing::Values(5, 30, 300)));
 
 TEST_P(RansacWithoutPose, GivesNone) {
   const auto [outliers, size] = GetParam();

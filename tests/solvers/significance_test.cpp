@@ -5,10 +5,10 @@
 #include <consimd/synth/hard_problems.hpp>
 #include <consimd/synth/noise_study.hpp>
 
-#include <array>
 #include <string>
 #include <tuple>
 
+#include "outlier_models.hpp"
 #include "problems.hpp"
 
 namespace consimd::test {
@@ -50,17 +50,9 @@ TEST(Significance, IsTheSameInEveryUnit) {
   }
 }
 
-std::string name_of(const ::testing::TestParamInfo<synth::OutlierModel>& test) {
-  constexpr std::array kNames{"uniform", "permuted", "clustered", "one_to_many", "many_to_many"};
-  return kNames[static_cast<std::size_t>(test.param)];
-}
-
 class SignificanceByChance : public ::testing::TestWithParam<synth::OutlierModel> {};
-INSTANTIATE_TEST_SUITE_P(OutlierModels, SignificanceByChance,
-                         ::testing::Values(synth::OutlierModel::uniform, synth::OutlierModel::permuted,
-                                           synth::OutlierModel::clustered, synth::OutlierModel::one_to_many,
-                                           synth::OutlierModel::many_to_many),
-                         name_of);
+INSTANTIATE_TEST_SUITE_P(OutlierModels, SignificanceByChance, ::testing::ValuesIn(kOutlierModels),
+                         [](const auto& test) { return std::string(name_of(test.param)); });
 
 TEST_P(SignificanceByChance, BestPosesWithoutATruthAreNotSignificant) {
   // The expected number of problems whose best pose comes below -1 is a tenth of their number at most, and below -2 a

@@ -7,6 +7,7 @@
 #include <oneapi/tbb/global_control.h>
 #include <oneapi/tbb/task_arena.h>
 
+#include <ostream>
 #include <random>
 #include <span>
 #include <stdexcept>
@@ -14,7 +15,13 @@
 
 #include "problems.hpp"
 
-namespace consimd::test {
+namespace consimd {
+
+void PrintTo(GncRotationOptions::Pairs pairs, std::ostream* out) {
+  *out << (pairs == GncRotationOptions::Pairs::all ? "all" : "chain");
+}
+
+namespace test {
 namespace {
 
 double truncated_cost(std::span<const double> values, std::span<const double> bounds, double x) {
@@ -143,4 +150,5 @@ TEST(GncRotation, BadOptionsAreRejected) {
 }
 
 }  // namespace
-}  // namespace consimd::test
+}  // namespace test
+}  // namespace consimd

@@ -18,6 +18,7 @@
 #include <tuple>
 
 #include "comparison.hpp"
+#include "outlier_models.hpp"
 #include "problems.hpp"
 
 namespace consimd::test {
@@ -118,9 +119,7 @@ TEST_P(UnknownScale, FewAndNoOutliers) {
 }
 
 TEST_P(UnknownScale, GivesNoPoseWhereThereIsNone) {
-  for (const auto outliers :
-       {synth::OutlierModel::uniform, synth::OutlierModel::permuted, synth::OutlierModel::clustered,
-        synth::OutlierModel::one_to_many, synth::OutlierModel::many_to_many}) {
+  for (const auto outliers : kOutlierModels) {
     for (const std::size_t size : {5U, 30U, 300U}) {
       for (std::uint64_t trial = 0; trial < trials(5); ++trial) {
         const Problem problem =

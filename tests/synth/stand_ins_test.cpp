@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <map>
+#include <ostream>
 #include <set>
 #include <stdexcept>
 #include <string>
@@ -16,6 +17,9 @@
 #include "random_stream.hpp"
 
 namespace consimd::synth {
+
+void PrintTo(const StandIn& stand_in, std::ostream* out) { *out << stand_in.name; }
+
 namespace {
 
 using Point = std::array<double, 3>;

@@ -96,19 +96,16 @@ MatchedPoints read_indexed_matches(const std::filesystem::path& source, const st
   std::size_t names_before = 0;
   bool is_first = true;
   for (std::size_t line = 1; !text.empty(); ++line) {
-    std::string_view rest = text;
-    const std::optional<std::string_view> comment = text::comment_of(text.substr(0, text.find('\n')));
-    std::vector<std::string_view> words = detail::take_words(rest);
-    text = rest;
-    if (comment) {
-      std::string_view whole = *comment;
-      words = detail::take_words(whole);
+    const std::string_view row = text::take_line(text);
+    if (const auto comment = text::comment_of(row)) {
+      const std::vector<std::string_view> words = detail::words_of_row(*comment);
       if (const auto sides = named_sides(words); sides && is_first) {
         commented = sides;
         names_before = words.size();
       }
       continue;
     }
+    const std::vector<std::string_view> words = detail::words_of_row(row);
     if (words.empty()) continue;
     try {
       if (words.size() < 2) throw detail::FileFault("expected a row of the source and one of the target");

@@ -24,10 +24,7 @@ std::array<std::size_t, 2> shape_of(std::string_view header) {
   if (!text.starts_with('(') || end == std::string_view::npos) throw FileFault("header: a shape without brackets");
   text = text.substr(1, end - 1);
   std::vector<std::size_t> sizes;
-  while (!text.empty()) {
-    const std::size_t comma = text.find(',');
-    std::string_view word = text.substr(0, comma);
-    text.remove_prefix(comma == std::string_view::npos ? text.size() : comma + 1);
+  for (std::string_view word : text::split(text, ',')) {
     while (word.starts_with(' ')) word.remove_prefix(1);
     if (!word.empty()) sizes.push_back(parse_count(word, "a size"));
   }

@@ -24,7 +24,7 @@ Header take_header(std::string_view& bytes) {
   Header header;
   while (header.data.empty()) {
     if (bytes.empty()) throw FileFault("header without DATA");
-    std::vector<std::string_view> words = take_line(bytes);
+    std::vector<std::string_view> words = words_between_blanks(text::take_line(bytes));
     ++header.lines;
     if (words.size() < 2) continue;
     const std::string_view key = words[0];

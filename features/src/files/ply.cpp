@@ -46,7 +46,7 @@ Header take_header(std::string_view& bytes) {
   Header header;
   while (true) {
     if (bytes.empty()) throw FileFault("header without end_header");
-    const std::vector<std::string_view> words = take_line(bytes);
+    const std::vector<std::string_view> words = words_between_blanks(text::take_line(bytes));
     ++header.lines;
     if (words.empty()) continue;
     if (words[0] == "end_header") return header;
@@ -107,7 +107,7 @@ Coordinates read_ply(std::string_view bytes) {
       require_records(bytes.substr(before), element.count, element.size());
       return read_columns(bytes, columns, element.count, !little);
     }
-    for (std::size_t line = 0; line < before; ++line) static_cast<void>(take_line(bytes));
+    for (std::size_t line = 0; line < before; ++line) static_cast<void>(text::take_line(bytes));
     Coordinates points = read_number_lines(bytes, places, element.count, header.lines + before);
     if (points.size() != element.count) {
       throw FileFault("ends before its " + std::to_string(element.count) + " points do");

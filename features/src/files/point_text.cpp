@@ -32,32 +32,17 @@ double parse_number(std::string_view word) {
   throw FileFault("'" + text::shown(word) + "' is not a number");
 }
 
-/// What separates the words of a line: a semicolon or comma where it has any, else a tab where `tabs` says so, else
-/// blanks.
-char separator_of(std::string_view line, bool tabs) {
-  for (const char separator : {';', ','}) {
-    if (line.find(separator) != std::string_view::npos) return separator;
-  }
-  return tabs && line.find('\t') != std::string_view::npos ? '\t' : ' ';
-}
-
-/// The length of a word in quotes at the beginning of a line, these included; 0 where it begins with none.
-std::size_t quoted_length(std::string_view line) {
-  const std::size_t closing = line.starts_with('"') ? line.find('"', 1) : std::string_view::npos;
-  return closing == std::string_view::npos ? 0 : closing + 1;
-}
-
 /// Calls use(k, word) for the words of a line up to number `last`, without blanks or quotes around; returns how many
 /// there were.
 template <typename Use>
-std::size_t split(std::string_view line, char separator, std::size_t last, const Use& use) {
+std::size_t for_each_word(std::string_view line, char separator, std::size_t last, const Use& use) {
   std::size_t count = 0;
   if (separator != '\t') line = text::trimmed(line);
   if (line.empty()) return 0;
   for (bool more = true; more && count <= last; ++count) {
     const std::size_t begin = separator == '\t' ? 0 : std::min(line.find_first_not_of(text::kBlanks), line.size());
     line.remove_prefix(begin);
-    const std::size_t quoted = quoted_length(line);
+    const std::size_t quoted = text::quoted_length(line);
     std::size_t end = quoted;
     while (end < line.size() && (separator == ' ' ? !text::is_blank(line[end]) : line[end] != separator)) ++end;
     const std::string_view word = text::trimmed(line.substr(0, end));
@@ -67,13 +52,6 @@ std::size_t split(std::string_view line, char separator, std::size_t last, const
     if (separator == ' ') more = more && line.find_first_not_of(text::kBlanks) != std::string_view::npos;
   }
   return count;
-}
-
-std::string_view next_line(std::string_view& text) {
-  const std::size_t end = text.find('\n');
-  const std::string_view line = text.substr(0, end);
-  text.remove_prefix(end == std::string_view::npos ? text.size() : end + 1);
-  return line;
 }
 
 /// The names of a line, in small letters, without units in brackets or behind a slash.
@@ -86,8 +64,9 @@ std::vector<std::string> names_of(std::string_view line, char separator) {
     if ((c == ')' || c == ']') && depth > 0) --depth;
   }
   std::vector<std::string> names;
-  split(plain, separator, kAll,
-        [&](std::size_t, std::string_view word) { names.emplace_back(text::trimmed(word.substr(0, word.find('/')))); });
+  for_each_word(plain, separator, kAll, [&](std::size_t, std::string_view word) {
+    names.emplace_back(text::trimmed(word.substr(0, word.find('/'))));
+  });
   return names;
 }
 
@@ -144,7 +123,7 @@ struct Heading {
 /// Takes one more line into the heading, unless points or names begin there.
 bool take_heading(std::string_view line, Heading& heading) {
   if (const auto comment = text::comment_of(line)) {
-    const char separator = separator_of(*comment, true);
+    const char separator = text::separator_of(*comment, true);
     std::vector<std::string> names = names_of(*comment, separator);
     if (named_columns(names)) heading.commented = {std::move(names), separator != ' '};
     return true;
@@ -160,7 +139,8 @@ bool take_heading(std::string_view line, Heading& heading) {
 std::vector<std::string_view> words_in(std::string_view line, bool tabs) {
   std::vector<std::string_view> words;
   line = text::without_comment(line);
-  split(line, separator_of(line, tabs), kAll, [&](std::size_t, std::string_view word) { words.push_back(word); });
+  for_each_word(line, text::separator_of(line, tabs), kAll,
+                [&](std::size_t, std::string_view word) { words.push_back(word); });
   if (!words.empty() && words.back().empty()) words.pop_back();
   return words;
 }
@@ -188,21 +168,21 @@ Columns told_by(const std::vector<std::string>& names, Columns columns, const st
 /// Takes the words of the next point.
 std::vector<std::string_view> take_point(std::string_view& text, bool tabs) {
   std::vector<std::string_view> words;
-  while (words.empty() && !text.empty()) words = words_in(next_line(text), tabs);
+  while (words.empty() && !text.empty()) words = words_in(text::take_line(text), tabs);
   return words;
 }
 
 /// The next line that holds more than a comment.
 std::string_view first_row(std::string_view text) {
   std::string_view line;
-  while (!text.empty() && text::trimmed(line).empty()) line = text::without_comment(next_line(text));
+  while (!text.empty() && text::trimmed(line).empty()) line = text::without_comment(text::take_line(text));
   return line;
 }
 
 /// Whether tabs separate the words of a row: they part all coordinates. Between tabs there may be blanks, as in names.
 bool separates_by_tabs(std::string_view row, const Columns& columns) {
   std::size_t found = 0;
-  split(row, '\t', kAll, [&](std::size_t k, std::string_view word) {
+  for_each_word(row, '\t', kAll, [&](std::size_t k, std::string_view word) {
     if (std::ranges::find(columns, k) != columns.end() && coordinate_in(word)) ++found;
   });
   return found == columns.size();
@@ -264,7 +244,7 @@ std::string told_of(std::string_view line, const std::string& what) {
   const bool semicolons = line.find(';') != std::string_view::npos;
   bool all = true;
   bool some = false;
-  split(line, semicolons ? ';' : ' ', kAll, [&](std::size_t, std::string_view word) {
+  for_each_word(line, semicolons ? ';' : ' ', kAll, [&](std::size_t, std::string_view word) {
     some = some || has_decimal_comma(word);
     all = all && (has_decimal_comma(word) || coordinate_in(word));
   });
@@ -276,15 +256,16 @@ Coordinates lines_of_points(std::string_view text, const Columns& columns, std::
   const std::size_t last = std::ranges::max(columns);
   Coordinates points;
   for (std::size_t number = before + 1; !text.empty() && points.size() < count; ++number) {
-    const std::string_view line = text::without_comment(next_line(text));
+    const std::string_view line = text::without_comment(text::take_line(text));
     if (text::trimmed(line).empty()) continue;
     try {
       std::array<double, 3> point{};
-      const std::size_t words = split(line, separator_of(line, tabs), last, [&](std::size_t k, std::string_view word) {
-        for (std::size_t c = 0; c < 3; ++c) {
-          if (columns[c] == k) point[c] = parse_number(word);
-        }
-      });
+      const std::size_t words =
+          for_each_word(line, text::separator_of(line, tabs), last, [&](std::size_t k, std::string_view word) {
+            for (std::size_t c = 0; c < 3; ++c) {
+              if (columns[c] == k) point[c] = parse_number(word);
+            }
+          });
       if (words <= last) {
         throw FileFault("expected " + std::to_string(last + 1) + " numbers or more, got " + std::to_string(words));
       }
@@ -308,13 +289,13 @@ std::optional<std::string> with_line_feeds(std::string_view text) {
   return lines;
 }
 
-std::vector<std::string_view> take_line(std::string_view& text) {
+std::vector<std::string_view> words_between_blanks(std::string_view line) {
   std::vector<std::string_view> words;
-  split(next_line(text), ' ', kAll, [&](std::size_t, std::string_view word) { words.push_back(word); });
+  for_each_word(line, ' ', kAll, [&](std::size_t, std::string_view word) { words.push_back(word); });
   return words;
 }
 
-std::vector<std::string_view> take_words(std::string_view& text) { return words_in(next_line(text), true); }
+std::vector<std::string_view> words_of_row(std::string_view line) { return words_in(line, true); }
 
 Coordinates read_number_lines(std::string_view text, const std::array<std::size_t, 3>& columns, std::size_t count,
                               std::size_t before) {
@@ -326,8 +307,8 @@ Coordinates read_point_text(std::string_view text, const std::optional<Columns>&
   text = text::without_mark(text);
   Heading heading;
   std::string_view rest = text;
-  std::string_view line = next_line(rest);
-  for (; !text.empty() && take_heading(line, heading); line = next_line(rest)) {
+  std::string_view line = text::take_line(rest);
+  for (; !text.empty() && take_heading(line, heading); line = text::take_line(rest)) {
     ++heading.lines;
     text = rest;
   }
@@ -342,7 +323,7 @@ Coordinates read_point_text(std::string_view text, const std::optional<Columns>&
       words.begin(), words.begin() + static_cast<std::ptrdiff_t>(std::min<std::size_t>(words.size(), 3)),
       [](std::string_view word) { return coordinate_in(word).has_value(); });
   const std::vector<std::string> names =
-      numbers ? std::vector<std::string>() : names_of(line, separator_of(line, true));
+      numbers ? std::vector<std::string>() : names_of(line, text::separator_of(line, true));
   const std::optional<Columns> named = named_columns(names);
   try {
     if (chosen) {
@@ -356,7 +337,7 @@ Coordinates read_point_text(std::string_view text, const std::optional<Columns>&
       columns = *chosen;
       told = true;
     } else if (named) {
-      const char separator = separator_of(line, true);
+      const char separator = text::separator_of(line, true);
       tabs = separator == '\t';
       std::string_view after = rest;
       words = take_point(after, tabs);

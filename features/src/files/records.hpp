@@ -48,12 +48,11 @@ void require_records(std::string_view bytes, std::size_t count, std::size_t size
 /// Ends of lines as old Macs wrote them, alone or among others, as line feeds; nothing where there is none.
 [[nodiscard]] std::optional<std::string> with_line_feeds(std::string_view text);
 
-/// The words of a line, between blanks, and the line itself taken off the text.
-[[nodiscard]] std::vector<std::string_view> take_line(std::string_view& text);
+/// The words of a line, between blanks.
+[[nodiscard]] std::vector<std::string_view> words_between_blanks(std::string_view line);
 
-/// The words of a line, between commas or semicolons where it has any, without its comment; the line is taken off the
-/// text.
-[[nodiscard]] std::vector<std::string_view> take_words(std::string_view& text);
+/// The words of a line, between semicolons, commas or tabs where it has any, without its comment.
+[[nodiscard]] std::vector<std::string_view> words_of_row(std::string_view line);
 
 // The forms of files, each from its whole contents. They throw FileFault.
 [[nodiscard]] Coordinates read_ply(std::string_view bytes);

@@ -3,6 +3,9 @@
 #include <algorithm>
 #include <stdexcept>
 #include <utility>
+#include <vector>
+
+#include "text/words.hpp"
 
 namespace consimd {
 namespace {
@@ -49,12 +52,8 @@ SolverChoice::SolverChoice(std::string_view text, std::span<const Solver> among)
   if (solver_ == nullptr) {
     throw std::invalid_argument("solver is '" + name_ + "', expected one of: " + joined(solver_names(among)));
   }
-  std::size_t colon = name_.size();
-  while (colon < text.size()) {
-    const std::size_t end = std::min(text.find(':', colon + 1), text.size());
-    set(text.substr(colon + 1, end - colon - 1));
-    colon = end;
-  }
+  const std::vector<std::string_view> parts = text::split(text, ':');
+  for (std::size_t k = 1; k < parts.size(); ++k) set(parts[k]);
 }
 
 void SolverChoice::set(std::string_view option, OptionValue value) {

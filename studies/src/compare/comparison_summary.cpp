@@ -125,14 +125,9 @@ std::string shown(const std::optional<Shard>& shard) {
 
 std::vector<std::string> parts(const Json& options, const char* key) {
   const std::string text = options.at(key).get<std::string>();
-  std::vector<std::string> found;
-  std::string_view rest = text;
-  while (!rest.empty()) {
-    const std::size_t comma = rest.find(',');
-    found.emplace_back(rest.substr(0, comma));
-    rest.remove_prefix(comma == std::string_view::npos ? rest.size() : comma + 1);
-  }
-  return found;
+  std::vector<std::string_view> found = text::split(text, ',');
+  if (found.back().empty()) found.pop_back();  // the one part of an empty text
+  return {found.begin(), found.end()};
 }
 
 template <typename Number>

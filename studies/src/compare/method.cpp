@@ -31,15 +31,11 @@ constexpr double kHarmlessLengthTolerance = 2.0;
 
 /// Names of stages from left to right; nothing if one is no stage.
 std::optional<std::vector<std::string_view>> stages_of(std::string_view name) {
-  std::vector<std::string_view> stages;
-  for (;;) {
-    const std::size_t end = name.find('+');
-    const std::string_view stage = name.substr(0, end);
+  std::vector<std::string_view> stages = text::split(name, '+');
+  for (const std::string_view stage : stages) {
     if (stage != "1R" && stage != "2R" && stage != "3R" && stage != "IRLS") return std::nullopt;
-    stages.push_back(stage);
-    if (end == std::string_view::npos) return stages;
-    name.remove_prefix(end + 1);
   }
+  return stages;
 }
 
 Outcome run_stages(const std::vector<std::string_view>& stages, const Correspondences& correspondences,

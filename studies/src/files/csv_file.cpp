@@ -1,12 +1,13 @@
 #include "files/csv_file.hpp"
 
-#include <algorithm>
 #include <cstdint>
 #include <fstream>
 #include <stdexcept>
 #include <string>
 
 #include <fmt/format.h>
+
+#include "text/words.hpp"
 
 namespace consimd::studies {
 
@@ -30,9 +31,7 @@ void take_row(const std::filesystem::path& path, std::size_t number, std::string
 void for_each_row(const std::filesystem::path& path, std::string_view text, std::string_view columns,
                   const std::function<void(std::string_view)>& take) {
   for (std::size_t number = 1; !text.empty(); ++number) {
-    const std::string_view line = text.substr(0, text.find('\n'));
-    text.remove_prefix(std::min(text.size(), line.size() + 1));
-    take_row(path, number, line, columns, take);
+    take_row(path, number, text::take_line(text), columns, take);
   }
 }
 

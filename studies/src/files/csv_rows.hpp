@@ -1,11 +1,13 @@
 // Rows of a study's tables as lines of text, and back.
 #pragma once
 
+#include <cstddef>
 #include <iterator>
 #include <stdexcept>
 #include <string>
 #include <string_view>
 #include <type_traits>
+#include <vector>
 
 #include <fmt/format.h>
 
@@ -18,7 +20,7 @@ namespace consimd::studies {
 /// Takes the fields of a line from left to right. Throws std::invalid_argument that says what is wrong.
 class CsvFields {
  public:
-  explicit CsvFields(std::string_view line) : rest_(line) {}
+  explicit CsvFields(std::string_view line) : fields_(text::split(line, ',')) {}
 
   void take(std::string& value) { value = text(); }
   void take(bool& value) {
@@ -35,21 +37,17 @@ class CsvFields {
   }
 
   void finish() const {
-    if (!exhausted_) throw std::invalid_argument("too many columns");
+    if (taken_ < fields_.size()) throw std::invalid_argument("too many columns");
   }
 
  private:
   std::string_view text() {
-    if (exhausted_) throw std::invalid_argument("too few columns");
-    const std::size_t comma = rest_.find(',');
-    const std::string_view field = rest_.substr(0, comma);
-    exhausted_ = comma == std::string_view::npos;
-    if (!exhausted_) rest_.remove_prefix(comma + 1);
-    return field;
+    if (taken_ == fields_.size()) throw std::invalid_argument("too few columns");
+    return fields_[taken_++];
   }
 
-  std::string_view rest_;
-  bool exhausted_ = false;
+  std::vector<std::string_view> fields_;
+  std::size_t taken_ = 0;
 };
 
 /// A line with its newline. Numbers read back to the same bits; a truth value is 1 or 0.

@@ -14,18 +14,6 @@ namespace {
 constexpr std::size_t kShown = 60;         // characters of a foreign text in a message
 constexpr double kLastRowRounding = 1e-6;  // as of a pose in a file
 
-std::vector<std::string_view> words_of(std::string_view line) {
-  constexpr std::string_view kBlanks = " \t\r,";
-  std::vector<std::string_view> words;
-  for (;;) {
-    const std::size_t begin = line.find_first_not_of(kBlanks);
-    if (begin == std::string_view::npos) return words;
-    line.remove_prefix(begin);
-    words.push_back(line.substr(0, line.find_first_of(kBlanks)));
-    line.remove_prefix(words.back().size());
-  }
-}
-
 double number(std::string_view word) {
   const auto value = text::number_in<double>(word);
   if (!value) throw std::invalid_argument(fmt::format("{} is no number", shown_text(word)));
@@ -57,7 +45,8 @@ std::string shown_text(std::string_view text) {
 }
 
 ReplyText parse_reply(std::string_view line) {
-  std::vector<std::string_view> words = words_of(line);
+  std::vector<std::string_view> words = text::split(line, " \t\r,");
+  std::erase(words, "");
   ReplyText reply{.pose = std::nullopt, .seconds = take_time(words)};
   if (words.size() == 1 && words[0] == "none") return reply;
   if (words.size() != 12 && words.size() != 16) {

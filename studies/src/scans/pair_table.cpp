@@ -13,6 +13,7 @@
 
 #include "scans/layouts.hpp"
 #include "scans/text_rows.hpp"
+#include "text/words.hpp"
 
 namespace consimd::studies::detail {
 namespace fs = std::filesystem;
@@ -52,9 +53,8 @@ RigidTransform pose_of(const TextRows& file, const TextRow& row, const std::stri
   const fs::path path = file.path().parent_path() / text;
   if (std::error_code ignored; fs::exists(path, ignored)) return synth::read_pose(path);
   TextRow numbers{row.line, {}};
-  for (std::size_t end = 0, begin = 0; (begin = text.find_first_not_of(" \t", end)) != std::string::npos;) {
-    end = std::min(text.find_first_of(" \t", begin), text.size());
-    numbers.words.push_back(text.substr(begin, end - begin));
+  for (const std::string_view word : text::split(text, " \t")) {
+    if (!word.empty()) numbers.words.emplace_back(word);
   }
   if (numbers.words.size() == 1) file.fail(row, fmt::format("{}: is missing", path.string()));
   return file.pose(numbers, 0);

@@ -20,13 +20,11 @@ namespace {
 std::vector<std::string> words_of(std::string_view line, std::string_view separators) {
   std::vector<std::string> words;
   const bool may_be_empty = separators.find_first_not_of(text::kBlanks) != std::string_view::npos;
-  for (;;) {
-    const std::size_t end = line.find_first_of(separators);
-    const std::string_view word = text::trimmed(line.substr(0, end));
+  for (const std::string_view part : text::split(line, separators)) {
+    const std::string_view word = text::trimmed(part);
     if (!word.empty() || may_be_empty) words.emplace_back(word);
-    if (end == std::string_view::npos) return words;
-    line.remove_prefix(end + 1);
   }
+  return words;
 }
 
 template <typename Number>
@@ -43,8 +41,7 @@ TextRows::TextRows(std::filesystem::path path, std::string_view separators) : pa
   const std::string text = synth::read_text(path_);
   std::string_view rest = text::without_mark(text);
   for (std::size_t number = 1; !rest.empty(); ++number) {
-    const std::string_view line = rest.substr(0, rest.find('\n'));
-    rest.remove_prefix(std::min(rest.size(), line.size() + 1));
+    const std::string_view line = text::take_line(rest);
     const std::string_view content = text::trimmed(line.substr(0, line.find('#')));
     if (!content.empty()) rows_.push_back({number, words_of(content, separators)});
   }

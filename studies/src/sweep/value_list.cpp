@@ -14,16 +14,6 @@ namespace {
 
 constexpr std::uint32_t kMostValues = 100'000;
 
-std::vector<std::string_view> split(std::string_view text, char separator) {
-  std::vector<std::string_view> parts;
-  for (;;) {
-    const std::size_t end = text.find(separator);
-    parts.push_back(text.substr(0, end));
-    if (end == std::string_view::npos) return parts;
-    text.remove_prefix(end + 1);
-  }
-}
-
 std::vector<double> evenly_spaced(std::string_view text, const std::vector<std::string_view>& parts) {
   const std::uint32_t count = parts.size() == 3 ? text::number_in<std::uint32_t>(parts[2]).value_or(0) : 0;
   if (count < 2 || count > kMostValues) {
@@ -51,9 +41,9 @@ double parse_number(std::string_view text) {
 }
 
 std::vector<double> parse_value_list(std::string_view text) {
-  if (text.find(':') != std::string_view::npos) return evenly_spaced(text, split(text, ':'));
+  if (text.find(':') != std::string_view::npos) return evenly_spaced(text, text::split(text, ':'));
   std::vector<double> values;
-  for (const std::string_view part : split(text, ',')) values.push_back(parse_number(part));
+  for (const std::string_view part : text::split(text, ',')) values.push_back(parse_number(part));
   return values;
 }
 
