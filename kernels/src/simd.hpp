@@ -29,6 +29,12 @@
 
 namespace consimd::detail {
 
+/// The larger of two whole numbers.
+template <typename Arch>
+inline IntBatch<Arch> larger(const IntBatch<Arch>& a, const IntBatch<Arch>& b) {
+  return xsimd::max(a, b);
+}
+
 /// x < a or x < b.
 template <typename Arch>
 inline Mask<Arch> below_larger(const Batch<Arch>& x, const Batch<Arch>& a, const Batch<Arch>& b) {

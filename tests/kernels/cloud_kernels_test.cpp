@@ -398,7 +398,7 @@ TEST(FixedPointDescriptors, NameWhatIsWrong) {
   EXPECT_EQ(error_of([&] { FixedPointForm(values, values, 33); }), "descriptor 1 is not finite");
   EXPECT_EQ(error_of([&] { FixedPointDescriptors(values, form); }).rfind("descriptor 1: component 7", 0), 0u);
   std::fill(values.begin() + 33, values.end(), 1.1f);
-  EXPECT_EQ(error_of([&] { FixedPointDescriptors(values, form); }).rfind("descriptor 1 has norm", 0), 0u);
+  EXPECT_EQ(error_of([&] { FixedPointDescriptors(values, form); }).rfind("descriptor 1 is longer than", 0), 0u);
 
   const FixedPointForm other(values, values, 33);
   const FixedPointDescriptors others(values, other);

@@ -149,10 +149,10 @@ class MatchSearch {
         const std::size_t at = c * targets_.box_stride + first + part;
         const IntBatch<Arch> below = IntBatch<Arch>(low[c]) - load(targets_.highs + at);
         const IntBatch<Arch> above = load(targets_.lows + at) - IntBatch<Arch>(low[kBoxed + c]);
-        const IntBatch<Arch> gap = xsimd::max(xsimd::max(below, above), zero);
+        const IntBatch<Arch> gap = larger(larger(below, above), zero);
         squared += gap * gap;
       }
-      const IntMask<Arch> far = squared > xsimd::max(load(farthest + part), IntBatch<Arch>(of_group));
+      const IntMask<Arch> far = squared > larger(load(farthest + part), IntBatch<Arch>(of_group));
       const IntMask<Arch> visited =
           load(scratch_.groups_of_tiles + first + part) == IntBatch<Arch>(static_cast<std::int32_t>(g));
       bits |= static_cast<std::uint32_t>(bitmask(far | visited)) << part;
@@ -163,7 +163,7 @@ class MatchSearch {
   [[nodiscard]] std::int32_t farthest_of_tile(std::size_t t) const {
     const std::int32_t* of = farthest_of_targets_ + kTileSize * t;
     IntBatch<Arch> most = load(of);
-    for (std::size_t l = kWidth<Arch>; l < kTileSize; l += kWidth<Arch>) most = xsimd::max(most, load(of + l));
+    for (std::size_t l = kWidth<Arch>; l < kTileSize; l += kWidth<Arch>) most = larger(most, load(of + l));
     alignas(64) std::int32_t lanes[kWidth<Arch>];
     most.store_aligned(lanes);
     std::int32_t farthest = lanes[0];

@@ -158,7 +158,7 @@ class MatchTile {
     for (std::size_t r = 0; r < kRegisters; ++r) {
       const std::size_t at = j + r * kWidth<Arch>;
       const IntBatch<Arch> limit_of_targets = load(of_targets_.distances + last * of_targets_.stride + at);
-      const IntBatch<Arch> limit = xsimd::max(limit_of_query, limit_of_targets) - norm_of_query;
+      const IntBatch<Arch> limit = larger(limit_of_query, limit_of_targets) - norm_of_query;
       far = far & (load(norms_of_targets + at) - (products[r] + products[r]) > limit);
     }
     return bitmask(far) == kAll;
