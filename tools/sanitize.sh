@@ -10,11 +10,13 @@ preset=${1:-asan}
 folder=${2:-}
 [[ $preset == asan || $preset == tsan ]] || fail "sanitize: '$preset' is neither asan nor tsan"
 need build figures
+export CONSIMD_TEST_SECONDS=3600
 if [[ -z $folder ]]; then
   build "$preset"
-  run_tests "$preset"
+  run_tests "$preset" --timeout 7200
 else
   build "$preset" "tests/$folder/all"
   find_test_data
-  ctest --test-dir "$root/build/$preset/tests/$folder" --output-on-failure --no-tests=error --parallel "$(nproc)" "${@:3}"
+  ctest --test-dir "$root/build/$preset/tests/$folder" --output-on-failure --no-tests=error --timeout 7200 --parallel "$(nproc)" \
+    "${@:3}"
 fi

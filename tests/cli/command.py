@@ -11,6 +11,8 @@ sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1]))
 from plotter import PLOTTER  # noqa: E402, F401  # for the tests that draw
 
 CONSIMD = os.environ["CONSIMD"]
+# How long a command may take; under a sanitizer many times what it takes otherwise.
+MOST_SECONDS = float(os.environ.get("CONSIMD_TEST_SECONDS", "300"))
 
 
 class CommandTest(unittest.TestCase):
@@ -53,7 +55,7 @@ class CommandTest(unittest.TestCase):
     def run_command(self, *arguments, code=0, **environment):
         """Standard output of a command that must exit with `code`."""
         process = self.start(*arguments, **environment)
-        out, err = process.communicate(timeout=300)
+        out, err = process.communicate(timeout=MOST_SECONDS)
         self.assertEqual(process.returncode, code, f"{arguments}: {out}{err}")
         return out
 
@@ -61,7 +63,7 @@ class CommandTest(unittest.TestCase):
         """The command must exit with 2 and one line on stderr that holds `says`, and leave every file as it was."""
         before = self.files()
         process = self.start(*arguments, **environment)
-        out, err = process.communicate(timeout=300)
+        out, err = process.communicate(timeout=MOST_SECONDS)
         self.assertEqual((process.returncode, out), (2, ""), f"{arguments}: {out}{err}")
         self.assertRegex(err, r"\Aconsimd: [^\n]+\n\Z", arguments)
         self.assertIn(says, err)

@@ -11,7 +11,7 @@ import sys
 import time
 import unittest
 
-from command import CONSIMD, CommandTest
+from command import CONSIMD, MOST_SECONDS, CommandTest
 
 EXAMPLES = pathlib.Path(__file__).resolve().parents[2] / "examples"
 
@@ -119,7 +119,7 @@ class OutsideSolver(CommandTest):
 
     def fails(self, *arguments, code=2):
         process = self.start(*arguments)
-        _, error = process.communicate(timeout=300)
+        _, error = process.communicate(timeout=MOST_SECONDS)
         self.assertEqual(process.returncode, code, error)
         return error
 
@@ -226,7 +226,7 @@ class OutsideSolver(CommandTest):
         ):  # fmt: skip
             (self.folder / "starts").unlink(missing_ok=True)
             process = self.start(*SWEEP, "--solver", self.program(mode), "--time-limit", 2, "--out", mode)
-            out, error = process.communicate(timeout=300)
+            out, error = process.communicate(timeout=MOST_SECONDS)
             self.assertEqual(process.returncode, 0, error)
             rows = self.rows(f"{mode}/trials.csv")
             self.assertEqual({row["status"] for row in rows if row["seed"] == "2"}, {status})
