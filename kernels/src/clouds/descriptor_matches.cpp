@@ -144,7 +144,9 @@ FixedPointDescriptors::FixedPointDescriptors(std::span<const float> values, cons
   const Parts parts(size, pairs);
   data_.reset(allocate(parts.end));
   std::int32_t* data = data_.get();
-  std::fill_n(data, parts.end, 0);
+  std::memset(data, 0, parts.end * sizeof(std::int32_t));
+  auto* const rows = reinterpret_cast<std::int16_t*>(data + parts.rows);
+  auto* const tiles = reinterpret_cast<std::int16_t*>(data + parts.tiles);
   for (std::size_t place = 0; place < size; ++place) {
     const std::int16_t* row = whole.data() + 2 * pairs * order[place];
     const std::size_t tile = place / kTileSize;
@@ -153,11 +155,9 @@ FixedPointDescriptors::FixedPointDescriptors(std::span<const float> values, cons
     data[parts.leading_norms + place] = std::inner_product(row, row + leading, row, 0);
     data[place] = std::inner_product(row, row + 2 * pairs, row, 0);
     data[parts.numbers + place] = static_cast<std::int32_t>(order[place]);
+    std::copy_n(row, 2 * pairs, rows + 2 * pairs * place);
     for (std::size_t c = 0; c < pairs; ++c) {
-      std::int32_t pair = 0;
-      std::memcpy(&pair, row + 2 * c, sizeof(pair));
-      data[parts.rows + pairs * place + c] = pair;
-      data[parts.tiles + kTileSize * (tile * pairs + c) + in_tile] = pair;
+      std::copy_n(row + 2 * c, 2, tiles + 2 * (kTileSize * (tile * pairs + c) + in_tile));
     }
     for (std::size_t c = 0; c < std::min(kBoxed, 2 * pairs); ++c) {
       std::int32_t& low = data[parts.lows + c * parts.box_stride + tile];
