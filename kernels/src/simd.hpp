@@ -10,7 +10,8 @@
 #include "simd/batch.hpp"
 
 // What each instruction set does in its own way, overloads in a file of its own:
-//   larger(a, b)         a > b ? a : b, so b where either is NaN; versions of xsimd differ in what theirs do with NaN
+//   larger(a, b)         of floats: a > b ? a : b, so b where either is NaN; versions of xsimd differ in what theirs do
+//                        with NaN
 //   smaller(a, b)        likewise
 //   bitmask(mask)        bit l tells lane l
 //   mask_of(bits, Arch)  the inverse, from the lowest bits of a word

@@ -52,17 +52,11 @@ struct RawMatches {
   std::size_t stride;
 };
 
-/// Every parts-th group of queries, from `part` on.
-struct QueryPart {
-  std::size_t part;
-  std::size_t parts;
-
-  [[nodiscard]] std::size_t groups(std::size_t queries) const {
-    const std::size_t all = (queries + kQueryGroup - 1) / kQueryGroup;
-    return all > part ? (all - part + parts - 1) / parts : 0;
-  }
-  /// First query of the g-th of them.
-  [[nodiscard]] std::size_t first(std::size_t g) const { return kQueryGroup * (part + g * parts); }
+/// Some of the groups of queries: the g-th begins with query first + g * step.
+struct QueryGroups {
+  std::size_t first;
+  std::size_t step;
+  std::size_t count;
 };
 
 /// Numbers that best_matches keeps meanwhile: a box and a tile for each group, a group and its distance for each tile.
@@ -96,7 +90,7 @@ struct CloudKernels {
   void (*weighted_histogram_sum)(const float* histograms, const std::uint32_t* rows, const float* squared,
                                  std::size_t n, float* sum);
   /// Enters the distances between a part of the queries and all targets into the best k of both; k >= 1.
-  void (*best_matches)(const RawDescriptors& queries, const QueryPart&, const RawDescriptors& targets, std::size_t k,
+  void (*best_matches)(const RawDescriptors& queries, const QueryGroups&, const RawDescriptors& targets, std::size_t k,
                        const RawMatches& of_queries, const RawMatches& of_targets, const MatchScratch&);
   /// stale: PairBlock::kSize bits.
   void (*move_pairs)(PairBlock&, std::size_t n, const WorkingMotion&, std::uint64_t* stale);
@@ -133,7 +127,7 @@ void pair_feature_counts(const RawPoints&, std::uint32_t point, const std::uint3
                          std::uint32_t* counts);
 void weighted_histogram_sum(const float* histograms, const std::uint32_t* rows, const float* squared, std::size_t n,
                             float* sum);
-void best_matches(const RawDescriptors& queries, const QueryPart&, const RawDescriptors& targets, std::size_t k,
+void best_matches(const RawDescriptors& queries, const QueryGroups&, const RawDescriptors& targets, std::size_t k,
                   const RawMatches& of_queries, const RawMatches& of_targets, const MatchScratch&);
 void move_pairs(PairBlock&, std::size_t n, const WorkingMotion&, std::uint64_t* stale);
 void pair_residuals(const RawPoints& target, const PairBlock&, std::size_t n, const PairProblem&, float* squared);

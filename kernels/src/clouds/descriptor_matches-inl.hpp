@@ -11,12 +11,11 @@ namespace consimd::detail {
 template <typename Arch>
 class MatchSearch {
  public:
-  MatchSearch(const RawDescriptors& queries, const QueryPart& part, const RawDescriptors& targets, std::size_t k,
+  MatchSearch(const RawDescriptors& queries, const QueryGroups& groups, const RawDescriptors& targets, std::size_t k,
               const RawMatches& of_queries, const RawMatches& of_targets, const MatchScratch& scratch)
       : queries_(queries),
         targets_(targets),
-        part_(part),
-        groups_(part.groups(queries.size)),
+        groups_(groups),
         tiles_((targets.size + kTileSize - 1) / kTileSize),
         farthest_of_queries_(of_queries.distances + (k - 1) * of_queries.stride),
         farthest_of_targets_(of_targets.distances + (k - 1) * of_targets.stride),
@@ -25,23 +24,24 @@ class MatchSearch {
 
   void run() const {
     if (tiles_ == 0) return;
-    for (std::size_t g = 0; g < groups_; ++g) find_box(g);
+    for (std::size_t g = 0; g < groups_.count; ++g) find_box(g);
     find_most_alike();
-    for (std::size_t g = 0; g < groups_; ++g) visit(g, static_cast<std::size_t>(scratch_.tiles_of_groups[g]));
+    for (std::size_t g = 0; g < groups_.count; ++g) visit(g, static_cast<std::size_t>(scratch_.tiles_of_groups[g]));
     for (std::size_t t = 0; t < tiles_; ++t) {
       const auto g = static_cast<std::size_t>(scratch_.groups_of_tiles[t]);
-      if (g < groups_ && scratch_.tiles_of_groups[g] != static_cast<std::int32_t>(t)) visit(g, t);
+      if (g < groups_.count && scratch_.tiles_of_groups[g] != static_cast<std::int32_t>(t)) visit(g, t);
     }
     for (std::size_t t = 0; t < tiles_; t += kRun) visit_near(t);
   }
 
  private:
-  // Tiles that the first-level cache holds, with their lists.
+  // Tiles that the first-level cache holds, with their lists, of some 33 components.
   static constexpr std::size_t kRun = kWidth<Arch> < 8 ? 8 : kWidth<Arch>;
 
   [[nodiscard]] std::int32_t* box(std::size_t g) const { return scratch_.boxes + 2 * kBoxed * g; }
+  [[nodiscard]] std::size_t first_row(std::size_t g) const { return groups_.first + g * groups_.step; }
   [[nodiscard]] std::size_t last_row(std::size_t g) const {
-    const std::size_t first = part_.first(g);
+    const std::size_t first = first_row(g);
     return queries_.size - first < kQueryGroup ? queries_.size : first + kQueryGroup;
   }
 
@@ -50,9 +50,9 @@ class MatchSearch {
     std::int32_t* const high = low + kBoxed;
     const std::size_t length = 2 * queries_.pairs;
     for (std::size_t c = 0; c < kBoxed; ++c) {
-      low[c] = high[c] = c < length ? queries_.rows[part_.first(g) * length + c] : 0;
+      low[c] = high[c] = c < length ? queries_.rows[first_row(g) * length + c] : 0;
       if (c >= length) continue;
-      for (std::size_t i = part_.first(g) + 1; i < last_row(g); ++i) {
+      for (std::size_t i = first_row(g) + 1; i < last_row(g); ++i) {
         const std::int32_t x = queries_.rows[i * length + c];
         low[c] = x < low[c] ? x : low[c];
         high[c] = x > high[c] ? x : high[c];
@@ -67,7 +67,7 @@ class MatchSearch {
       scratch_.distances_of_tiles[t] = kFarthest;
       scratch_.groups_of_tiles[t] = 0;
     }
-    for (std::size_t g = 0; g < groups_; ++g) {
+    for (std::size_t g = 0; g < groups_.count; ++g) {
       const std::int32_t* const low = box(g);
       const IntBatch<Arch> group(static_cast<std::int32_t>(g));
       IntBatch<Arch> least(kFarthest);
@@ -91,8 +91,8 @@ class MatchSearch {
     }
   }
 
-  /// The tile of the least of the lanes; tile + l in lane l. Boxes behind the last tile are no tile's.
-  [[nodiscard]] std::int32_t nearest_tile(const IntBatch<Arch>& distances, const IntBatch<Arch>& tiles) const {
+  /// The tile of the least of the lanes; tile + l in lane l.
+  [[nodiscard]] static std::int32_t nearest_tile(const IntBatch<Arch>& distances, const IntBatch<Arch>& tiles) {
     alignas(64) std::int32_t of[kWidth<Arch>];
     alignas(64) std::int32_t at[kWidth<Arch>];
     distances.store_aligned(of);
@@ -101,7 +101,7 @@ class MatchSearch {
     std::int32_t tile = 0;
     for (std::size_t l = 0; l < kWidth<Arch>; ++l) {
       const std::int32_t t = at[l] + static_cast<std::int32_t>(l);
-      if (of[l] < least && t < static_cast<std::int32_t>(tiles_)) {
+      if (of[l] < least) {
         least = of[l];
         tile = t;
       }
@@ -110,7 +110,7 @@ class MatchSearch {
   }
 
   bool visit(std::size_t g, std::size_t t) const {
-    const std::size_t first = part_.first(g);
+    const std::size_t first = first_row(g);
     if (last_row(g) - first == kQueryGroup) return tile_.template match<kQueryGroup>(first, kTileSize * t);
     bool any = false;
     for (std::size_t i = first; i < last_row(g); ++i) any = tile_.template match<1>(i, kTileSize * t) || any;
@@ -122,7 +122,7 @@ class MatchSearch {
     alignas(64) std::int32_t farthest[kRun];
     for (std::size_t t = 0; t < kRun; ++t) farthest[t] = first + t < tiles_ ? farthest_of_tile(first + t) : -1;
     const std::uint32_t there = tiles_ - first < kRun ? (1U << (tiles_ - first)) - 1 : (1U << kRun) - 1;
-    for (std::size_t g = 0; g < groups_; ++g) {
+    for (std::size_t g = 0; g < groups_.count; ++g) {
       std::uint32_t near = not_far(g, first, farthest) & there;
       const auto own = static_cast<std::size_t>(scratch_.tiles_of_groups[g]) - first;
       if (own < kRun) near &= ~(1U << own);
@@ -136,8 +136,8 @@ class MatchSearch {
   /// A bit for each of a run of tiles that a query of the group may be near enough for, or one of whose targets may be
   /// for the group, but for those whose most alike group it is.
   [[nodiscard]] std::uint32_t not_far(std::size_t g, std::size_t first, const std::int32_t* farthest) const {
-    std::int32_t of_group = farthest_of_queries_[part_.first(g)];
-    for (std::size_t i = part_.first(g) + 1; i < last_row(g); ++i) {
+    std::int32_t of_group = farthest_of_queries_[first_row(g)];
+    for (std::size_t i = first_row(g) + 1; i < last_row(g); ++i) {
       of_group = farthest_of_queries_[i] > of_group ? farthest_of_queries_[i] : of_group;
     }
     const std::int32_t* const low = box(g);
@@ -177,8 +177,7 @@ class MatchSearch {
 
   RawDescriptors queries_;
   RawDescriptors targets_;
-  QueryPart part_;
-  std::size_t groups_;
+  QueryGroups groups_;
   std::size_t tiles_;
   const std::int32_t* farthest_of_queries_;
   const std::int32_t* farthest_of_targets_;
@@ -187,9 +186,10 @@ class MatchSearch {
 };
 
 template <typename Arch>
-void best_matches(const RawDescriptors& queries, const QueryPart& part, const RawDescriptors& targets, std::size_t k,
-                  const RawMatches& of_queries, const RawMatches& of_targets, const MatchScratch& scratch) {
-  MatchSearch<Arch>(queries, part, targets, k, of_queries, of_targets, scratch).run();
+void best_matches(const RawDescriptors& queries, const QueryGroups& groups, const RawDescriptors& targets,
+                  std::size_t k, const RawMatches& of_queries, const RawMatches& of_targets,
+                  const MatchScratch& scratch) {
+  MatchSearch<Arch>(queries, groups, targets, k, of_queries, of_targets, scratch).run();
 }
 
 }  // namespace consimd::detail

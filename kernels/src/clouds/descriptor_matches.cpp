@@ -8,6 +8,7 @@
 #include <numeric>
 #include <stdexcept>
 #include <string>
+#include <string_view>
 #include <utility>
 
 #include "../dispatch.hpp"
@@ -56,8 +57,8 @@ struct Spread {
   [[nodiscard]] double of(double count) const { return squared - sum * sum / count; }
 };
 
-/// Adds a set's components to the spreads; returns its largest squared norm.
-double add_spreads(std::span<const float> values, std::span<Spread> spreads) {
+/// Adds a set's components to the spreads; returns its largest squared norm. `set`: its name, for errors.
+double add_spreads(std::string_view set, std::span<const float> values, std::span<Spread> spreads) {
   const std::size_t length = spreads.size();
   double largest = 0.0;
   for (std::size_t i = 0; i < values.size(); i += length) {
@@ -69,7 +70,7 @@ double add_spreads(std::span<const float> values, std::span<Spread> spreads) {
       squared += value * value;
     }
     if (!std::isfinite(squared)) {
-      throw std::invalid_argument("descriptor " + std::to_string(i / length) + " is not finite");
+      throw std::invalid_argument(std::string(set) + ": descriptor " + std::to_string(i / length) + " is not finite");
     }
     largest = std::max(largest, squared);
   }
@@ -116,10 +117,11 @@ FixedPointForm::FixedPointForm(std::span<const float> source, std::span<const fl
   detail::require_size("source", source.size(), source.size() / length * length);
   detail::require_size("target", target.size(), target.size() / length * length);
   std::vector<Spread> spreads(length);
-  const double largest = std::sqrt(std::max(add_spreads(source, spreads), add_spreads(target, spreads)));
+  const double largest =
+      std::sqrt(std::max(add_spreads("source", source, spreads), add_spreads("target", target, spreads)));
   // Rounding may lengthen a descriptor by half a unit a component.
   const double most = kLargestNorm - 1.0 - std::sqrt(static_cast<double>(length)) / 2.0;
-  if (largest > 0.0) unit_ = std::max(largest / most, std::numeric_limits<double>::min());
+  if (largest > 0.0) unit_ = largest / most;
 
   const double count = static_cast<double>(source.size() + target.size()) / static_cast<double>(length);
   components_.resize(length);
@@ -135,6 +137,9 @@ void FixedPointDescriptors::AlignedDelete::operator()(std::int32_t* p) const noe
 FixedPointDescriptors::FixedPointDescriptors(std::span<const float> values, const FixedPointForm& form) : form_(form) {
   const std::size_t size = values.size() / form.length();
   detail::require_size("values", values.size(), size * form.length());
+  if (size > static_cast<std::size_t>(std::numeric_limits<std::int32_t>::max())) {
+    throw std::invalid_argument(std::to_string(size) + " descriptors, expected fewer than 2^31");
+  }
   const std::size_t pairs = (form.length() + 1) / 2;
   const std::vector<std::int16_t> whole = whole_numbers(values, form, 2 * pairs);
   const std::vector<std::uint32_t> order = detail::alike_together(whole, 2 * pairs, 2 * kLeadingPairs, kTileSize);
@@ -145,6 +150,8 @@ FixedPointDescriptors::FixedPointDescriptors(std::span<const float> values, cons
   data_.reset(allocate(parts.end));
   std::int32_t* data = data_.get();
   std::memset(data, 0, parts.end * sizeof(std::int32_t));
+  // Behind the last tile are boxes that are farther from any than descriptors are from each other.
+  std::fill(data + parts.lows, data + parts.tiles, static_cast<std::int32_t>(4.0 * kLargestNorm));
   auto* const rows = reinterpret_cast<std::int16_t*>(data + parts.rows);
   auto* const tiles = reinterpret_cast<std::int16_t*>(data + parts.tiles);
   for (std::size_t place = 0; place < size; ++place) {
@@ -159,11 +166,12 @@ FixedPointDescriptors::FixedPointDescriptors(std::span<const float> values, cons
     for (std::size_t c = 0; c < pairs; ++c) {
       std::copy_n(row + 2 * c, 2, tiles + 2 * (kTileSize * (tile * pairs + c) + in_tile));
     }
-    for (std::size_t c = 0; c < std::min(kBoxed, 2 * pairs); ++c) {
+    for (std::size_t c = 0; c < kBoxed; ++c) {
+      const std::int32_t component = c < 2 * pairs ? row[c] : 0;
       std::int32_t& low = data[parts.lows + c * parts.box_stride + tile];
       std::int32_t& high = data[parts.highs + c * parts.box_stride + tile];
-      low = in_tile == 0 ? row[c] : std::min<std::int32_t>(low, row[c]);
-      high = in_tile == 0 ? row[c] : std::max<std::int32_t>(high, row[c]);
+      low = in_tile == 0 ? component : std::min(low, component);
+      high = in_tile == 0 ? component : std::max(high, component);
     }
   }
 }
@@ -184,9 +192,8 @@ BestMatches::BestMatches(const FixedPointDescriptors& of, std::size_t k)
 }
 
 void BestMatches::merge(const BestMatches& other) {
-  detail::require_size("other", other.size(), size());
   detail::require_size("a list of other", other.k_, k_);
-  if (other.places_ != places_) throw std::invalid_argument("other has the matches of other descriptors");
+  if (other.places_ != places_) throw std::invalid_argument("other are lists of other descriptors");
   using Key = std::pair<std::int32_t, std::uint32_t>;
   const auto key = [](const BestMatches& list, std::size_t at) { return Key(list.data_[at], list.numbers()[at]); };
   std::vector<Key> both(2 * k_);
@@ -211,8 +218,8 @@ void best_matches(const FixedPointDescriptors& queries, const FixedPointDescript
                                 std::to_string(targets.form_.length()) + " and unit " +
                                 std::to_string(targets.form_.unit()) + " or another order of components");
   }
-  detail::require_size("of_queries", of_queries.size(), queries.size());
-  detail::require_size("of_targets", of_targets.size(), targets.size());
+  if (of_queries.places_ != queries.places_) throw std::invalid_argument("of_queries are lists of other descriptors");
+  if (of_targets.places_ != targets.places_) throw std::invalid_argument("of_targets are lists of other descriptors");
   detail::require_size("a list of of_targets", of_targets.k_, of_queries.k_);
   if (part >= parts) {
     throw std::out_of_range("part " + std::to_string(part) + " of " + std::to_string(parts));
@@ -235,18 +242,20 @@ void best_matches(const FixedPointDescriptors& queries, const FixedPointDescript
   const auto raw_matches = [](BestMatches& m) {
     return detail::RawMatches{m.data_.get(), m.data_.get() + m.k_ * m.stride_, m.stride_};
   };
-  const detail::QueryPart query_part{part, parts};
-  const std::size_t groups = query_part.groups(queries.size());
+  // Every parts-th group, so that each part has some of all descriptors.
+  const std::size_t all = (queries.size() + detail::kQueryGroup - 1) / detail::kQueryGroup;
+  const std::size_t groups = all > part ? (all - part + parts - 1) / parts : 0;
   const std::size_t tiles = padded(padded(targets.size()) / kTileSize);
   const std::unique_ptr<std::int32_t[], FixedPointDescriptors::AlignedDelete> numbers(
       allocate(2 * tiles + (2 * kBoxed + 1) * groups));
   std::int32_t* const of_groups = numbers.get() + 2 * tiles;
-  detail::active_table().clouds.best_matches(raw(queries), query_part, raw(targets), of_queries.k_,
-                                             raw_matches(of_queries), raw_matches(of_targets),
-                                             {.boxes = of_groups + groups,
-                                              .tiles_of_groups = of_groups,
-                                              .groups_of_tiles = numbers.get(),
-                                              .distances_of_tiles = numbers.get() + tiles});
+  detail::active_table().clouds.best_matches(
+      raw(queries), {.first = detail::kQueryGroup * part, .step = detail::kQueryGroup * parts, .count = groups},
+      raw(targets), of_queries.k_, raw_matches(of_queries), raw_matches(of_targets),
+      {.boxes = of_groups + groups,
+       .tiles_of_groups = of_groups,
+       .groups_of_tiles = numbers.get(),
+       .distances_of_tiles = numbers.get() + tiles});
 }
 
 }  // namespace consimd

@@ -210,11 +210,12 @@ void enter(const RawMatches& best, std::size_t k, std::size_t i, std::int32_t di
 
 }  // namespace
 
-void best_matches(const RawDescriptors& queries, const QueryPart& part, const RawDescriptors& targets, std::size_t k,
-                  const RawMatches& of_queries, const RawMatches& of_targets, const MatchScratch& /*unused*/) {
+void best_matches(const RawDescriptors& queries, const QueryGroups& groups, const RawDescriptors& targets,
+                  std::size_t k, const RawMatches& of_queries, const RawMatches& of_targets,
+                  const MatchScratch& /*unused*/) {
   const std::size_t length = 2 * queries.pairs;
-  for (std::size_t g = 0; g < part.groups(queries.size); ++g) {
-    const std::size_t first = part.first(g);
+  for (std::size_t g = 0; g < groups.count; ++g) {
+    const std::size_t first = groups.first + g * groups.step;
     for (std::size_t i = first; i < queries.size && i < first + kQueryGroup; ++i) {
       for (std::size_t j = 0; j < targets.size; ++j) {
         std::int32_t product = 0;

@@ -151,15 +151,21 @@ double Background::measured(const WorkingPose& pose, double enough) const {
     most = std::max(most, detail::log_false_poses(size, found, chances));
   };
   if (most >= enough) return most;
+  // Two lines determine a pose, whatever rows they have.
+  const auto add_if_told = [&](const Supports& lines, const Supports& counted, const Chances& chances) {
+    most = std::max(most, lines.front().spread > 2.0 ? detail::log_false_poses(size, counted, chances) : 0.0);
+  };
   for (const auto& [chances, along] : kept_chances(*correspondences_, pose, noise_bound_, reach, at_random, matched)) {
-    // Two lines determine a pose, whatever rows they have.
-    const bool is_told = along.empty() || supports(view, pose, noise_bound_, radius, along).front().spread > 2.0;
-    most = std::max(most, is_told ? detail::log_false_poses(size, found, chances) : 0.0);
+    if (along.empty()) {
+      most = std::max(most, detail::log_false_poses(size, found, chances));
+    } else {
+      add_if_told(supports(view, pose, noise_bound_, radius, along), found, chances);
+    }
   }
   if (most >= enough) return most;
   if (const auto along = few_coherent_lines(view, pose, noise_bound_, radius)) {
     const Supports lines = supports(view, pose, noise_bound_, radius, std::span(&*along, 1));
-    most = std::max(most, lines.front().spread > 2.0 ? detail::log_false_poses(size, lines, at_random) : 0.0);
+    add_if_told(lines, lines, at_random);
   }
   if (most >= enough) return most;
   const auto& [alike, alike_lengths] = lookalikes();

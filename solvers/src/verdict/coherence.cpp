@@ -24,8 +24,8 @@ constexpr double kLeastPairs = 20.0;
 constexpr std::uint32_t kLookedAt = 256;
 constexpr std::size_t kEnoughPairs = 1U << 17U;
 constexpr std::uint32_t kRandomPairs = 8192;
-// Pairs of a line that are enough.
-constexpr double kMostOfLines = 2048.0;
+// Rows of a line that a row is held against: of a line of thousands more would hide the other lines.
+constexpr std::size_t kPartners = 8;
 // Two lines determine a pose; fourteen more that come into place by an even chance each are less likely than 1e-4.
 constexpr std::size_t kFewLines = 16;
 // Of many supporters so many are looked at: those of fifteen lines are hardly missed.
@@ -68,28 +68,50 @@ std::size_t count_lines(std::span<const Point> points, const Eigen::Vector3f& di
   return lines.size();
 }
 
-// The principal axis of supporters along which they lie on fewest lines, where that are few.
+// Directions that lines through points may have: the principal axes, and the main direction from each to the nearest
+// that is not as near as points of one place are, which is that of lines on a slope.
+std::array<Eigen::Vector3f, 4> line_directions(const Eigen::Matrix3Xf& points, float radius) {
+  const Eigen::Matrix3Xf centred = points.colwise() - Eigen::Vector3f(points.rowwise().mean());
+  Eigen::Matrix3f to_nearest = Eigen::Matrix3f::Zero();
+  for (Eigen::Index k = 0; k < points.cols(); ++k) {
+    Eigen::Vector3f difference = Eigen::Vector3f::Zero();
+    float least = std::numeric_limits<float>::infinity();
+    for (Eigen::Index other = 0; other < points.cols(); ++other) {
+      const Eigen::Vector3f d = points.col(other) - points.col(k);
+      const float squared = d.squaredNorm();
+      if (squared < radius * radius || squared >= least) continue;
+      least = squared;
+      difference = d;
+    }
+    if (std::isfinite(least)) to_nearest += difference * difference.transpose() / least;
+  }
+  const auto axes_of = [](const Eigen::Matrix3f& scatter) -> Eigen::Matrix3f {
+    return Eigen::SelfAdjointEigenSolver<Eigen::Matrix3f>(scatter).eigenvectors();
+  };
+  const Eigen::Matrix3f axes = axes_of(centred * centred.transpose());
+  return {axes.col(0), axes.col(1), axes.col(2), axes_of(to_nearest).col(2)};
+}
+
+// The direction along which supporters lie on fewest lines, where these are few.
 std::optional<Eigen::Vector3f> few_lines(const CorrespondenceView& view, const WorkingPose& pose, double noise_bound,
                                          double radius) {
   const std::vector<std::uint32_t> supporters = pose_inliers(view, pose, noise_bound);
   const std::size_t count = std::min(supporters.size(), kSupportersLookedAt);
+  if (count == 0) return std::nullopt;
   std::vector<Point> points;
   Eigen::Matrix3Xf columns(3, static_cast<Eigen::Index>(count));
   for (std::size_t k = 0; k < count; ++k) {
     points.push_back(source_point(view, supporters[k * supporters.size() / count]));
     columns.col(static_cast<Eigen::Index>(k)) << points[k].x, points[k].y, points[k].z;
   }
-  if (count == 0) return std::nullopt;
-  columns.colwise() -= Eigen::Vector3f(columns.rowwise().mean());
-  const Eigen::Matrix3f axes =
-      Eigen::SelfAdjointEigenSolver<Eigen::Matrix3f>(columns * columns.transpose()).eigenvectors();
+  const auto reach = static_cast<float>(radius * view.scale());
   std::optional<Eigen::Vector3f> direction;
   std::size_t fewest = kFewLines;
-  for (int axis = 0; axis < 3; ++axis) {
-    const std::size_t lines = count_lines(points, axes.col(axis), static_cast<float>(radius * view.scale()));
+  for (const Eigen::Vector3f& candidate : line_directions(columns, reach)) {
+    const std::size_t lines = count_lines(points, candidate, reach);
     if (lines >= fewest) continue;
     fewest = lines;
-    direction = axes.col(axis);
+    direction = candidate;
   }
   return direction;
 }
@@ -109,21 +131,27 @@ bool are_coherent_along(const Eigen::Vector3f& direction, const CorrespondenceVi
   double pairs = 0.0;
   double together = 0.0;
   double by_chance = 0.0;
-  for (std::uint32_t l = 0; l < std::min(kLookedAt, size) && pairs < kMostOfLines; ++l) {
+  std::vector<std::uint32_t> partners;
+  for (std::uint32_t l = 0; l < std::min(kLookedAt, size); ++l) {
     const std::uint32_t row = rows[spread_row(l, size)];
     const Point p = source_point(view, row);
     const Point q = target_point(view, row);
+    partners.clear();
     lines.visit(across(direction, p), static_cast<float>(reach * reach), [&](std::uint32_t k, float) {
-      const double apart = distance(p, source_point(view, rows[k]));
-      if (apart < reach) return;
+      if (distance(p, source_point(view, rows[k])) >= reach) partners.push_back(rows[k]);
+    });
+    const std::size_t count = std::min(partners.size(), kPartners);
+    for (std::size_t k = 0; k < count; ++k) {
+      const std::uint32_t partner = partners[k * partners.size() / count];
+      const double apart = distance(p, source_point(view, partner));
       const auto agrees = [&](std::uint32_t other) {
-        return std::abs(distance(q, target_point(view, rows[other])) - apart) < agreeing ? 1.0 : 0.0;
+        return std::abs(distance(q, target_point(view, other)) - apart) < agreeing ? 1.0 : 0.0;
       };
       CounterRandom random(kFixedSeed, RandomStage::pairing, static_cast<std::uint32_t>(pairs));
       ++pairs;
-      together += agrees(k);
-      by_chance += agrees(random.below(size));
-    });
+      together += agrees(partner);
+      by_chance += agrees(rows[random.below(size)]);
+    }
   }
   return pairs >= kLeastPairs && together >= kCoherentLift * (by_chance + 1.0);
 }

@@ -89,7 +89,7 @@ Significance significance(const Correspondences& correspondences, const WorkingP
   if (false_poses > kEnough) false_poses = std::min(false_poses, second_glance(correspondences, pose, noise_bound));
   const bool is_in_doubt = false_poses < kEnough &&
                            detail::few_coherent_lines(view, pose, noise_bound, detail::kLargestRadius * noise_bound);
-  return {is_in_doubt ? detail::kBeyondDoubt : false_poses / std::numbers::ln10};
+  return {is_in_doubt ? 0.0 : false_poses / std::numbers::ln10};
 }
 
 }  // namespace consimd

@@ -15,7 +15,7 @@ namespace CONSIMD_EXPORT consimd {
 class FixedPointForm {
  public:
   /// For two sets of descriptors, rows of `length` numbers each. Throws std::invalid_argument on a length of 0 or above
-  /// 4096, on a size that is no multiple of it, and on a value that is not finite (naming its descriptor).
+  /// 4096, on a size that is no multiple of it, and on a value that is not finite (naming its set and descriptor).
   FixedPointForm(std::span<const float> source, std::span<const float> target, std::size_t length);
 
   [[nodiscard]] std::size_t length() const noexcept { return components_.size(); }
@@ -80,7 +80,7 @@ class BestMatches {
   }
 
   /// Enters the matches of another, of the same descriptors and k, which has searched among others. Throws
-  /// std::invalid_argument on another size or k.
+  /// std::invalid_argument on lists of other descriptors or of another k.
   void merge(const BestMatches& other);
 
  private:
@@ -99,10 +99,11 @@ class BestMatches {
 };
 
 /// Enters the squared distances between one of `parts` parts of the queries and all targets into the best matches of
-/// both: as if all were computed, though most pairs are told too far apart by their first components or by the boxes
-/// that alike descriptors lie in. Parts may come in any order, each once. Throws std::invalid_argument on descriptors
-/// of different form, on lists of other sizes than the descriptors or of different k, std::out_of_range unless part <
-/// parts.
+/// both: as if all were computed, though most pairs of alike structure are told too far apart by their first components
+/// or by the boxes that alike descriptors lie in. Parts may come in any order, each once. They may also run at the same
+/// time with the same `of_queries`, each with an `of_targets` of its own, which are merged then. Throws
+/// std::invalid_argument on descriptors of different form, on lists of other descriptors or of different k,
+/// std::out_of_range unless part < parts.
 void best_matches(const FixedPointDescriptors& queries, const FixedPointDescriptors& targets, BestMatches& of_queries,
                   BestMatches& of_targets, std::size_t part = 0, std::size_t parts = 1);
 
