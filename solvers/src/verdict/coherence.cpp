@@ -24,7 +24,11 @@ constexpr double kLeastPairs = 20.0;
 constexpr std::uint32_t kLookedAt = 256;
 constexpr std::size_t kEnoughPairs = 1U << 17U;
 constexpr std::uint32_t kRandomPairs = 8192;
-// Rows of a line that a row is held against: of a line of thousands more would hide the other lines.
+// Rows among which lines are looked for.
+constexpr std::size_t kRowsOfLines = 1024;
+// Rows that are held against others of their lines, and against how many: of a line of thousands more would hide the
+// other lines.
+constexpr std::uint32_t kOnLines = 64;
 constexpr std::size_t kPartners = 8;
 // Two lines determine a pose; fourteen more that come into place by an even chance each are less likely than 1e-4.
 constexpr std::size_t kFewLines = 16;
@@ -121,8 +125,9 @@ bool are_coherent_along(const Eigen::Vector3f& direction, const CorrespondenceVi
                         double noise_bound, double radius) {
   const std::vector<bool> explained = explained_by(view, pose, noise_bound);
   std::vector<std::uint32_t> rows;
-  for (std::uint32_t row = 0; row < view.size(); ++row) {
-    if (!explained[row] && !std::isnan(source_point(view, row).x)) rows.push_back(row);
+  const std::size_t step = view.size() / kRowsOfLines + 1;
+  for (std::size_t row = 0; row < view.size(); row += step) {
+    if (!explained[row] && !std::isnan(source_point(view, row).x)) rows.push_back(static_cast<std::uint32_t>(row));
   }
   const auto size = static_cast<std::uint32_t>(rows.size());
   const double reach = radius * view.scale();
@@ -132,7 +137,7 @@ bool are_coherent_along(const Eigen::Vector3f& direction, const CorrespondenceVi
   double together = 0.0;
   double by_chance = 0.0;
   std::vector<std::uint32_t> partners;
-  for (std::uint32_t l = 0; l < std::min(kLookedAt, size); ++l) {
+  for (std::uint32_t l = 0; l < std::min(kOnLines, size); ++l) {
     const std::uint32_t row = rows[spread_row(l, size)];
     const Point p = source_point(view, row);
     const Point q = target_point(view, row);

@@ -44,7 +44,7 @@ class Coherence {
 /// The direction, source frame, along which supporters of the pose lie on so few lines that these may have come into
 /// place by chance, each with all its rows, if rows of a line along it do come together: of two that are no supporters,
 /// farther apart than `radius` and closer across the direction, the targets are as far apart as the sources far more
-/// often than those of any two. noise_bound, radius: caller's unit.
+/// often than those of any two. Of many rows some are looked at. noise_bound, radius: caller's unit.
 [[nodiscard]] std::optional<Eigen::Vector3f> few_coherent_lines(const CorrespondenceView& view, const WorkingPose& pose,
                                                                 double noise_bound, double radius);
 
