@@ -4,7 +4,6 @@
 #include <array>
 #include <cstdint>
 #include <optional>
-#include <span>
 #include <utility>
 #include <vector>
 
@@ -152,21 +151,12 @@ double Background::measured(const WorkingPose& pose, double enough) const {
   };
   if (most >= enough) return most;
   // Two lines determine a pose, whatever rows they have.
-  const auto add_if_told = [&](const Supports& lines, const Supports& counted, const Chances& chances) {
-    most = std::max(most, lines.front().spread > 2.0 ? detail::log_false_poses(size, counted, chances) : 0.0);
-  };
   for (const auto& [chances, along] : kept_chances(*correspondences_, pose, noise_bound_, reach, at_random, matched)) {
-    if (along.empty()) {
-      most = std::max(most, detail::log_false_poses(size, found, chances));
-    } else {
-      add_if_told(supports(view, pose, noise_bound_, radius, along), found, chances);
-    }
+    const bool is_told = along.empty() || supports(view, pose, noise_bound_, radius, along).front().spread > 2.0;
+    most = std::max(most, is_told ? detail::log_false_poses(size, found, chances) : 0.0);
   }
   if (most >= enough) return most;
-  if (const auto along = few_coherent_lines(view, pose, noise_bound_, radius)) {
-    const Supports lines = supports(view, pose, noise_bound_, radius, std::span(&*along, 1));
-    add_if_told(lines, lines, at_random);
-  }
+  if (are_on_two_coherent_lines(view, pose, noise_bound_, radius)) most = std::max(most, 0.0);
   if (most >= enough) return most;
   const auto& [alike, alike_lengths] = lookalikes();
   look(alike.support(pose, reach, matched), alike_lengths, alike);

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <limits>
 #include <span>
 
@@ -30,10 +31,12 @@ constexpr std::size_t kRowsOfLines = 1024;
 // other lines.
 constexpr std::uint32_t kOnLines = 64;
 constexpr std::size_t kPartners = 8;
-// Two lines determine a pose; fourteen more that come into place by an even chance each are less likely than 1e-4.
-constexpr std::size_t kFewLines = 16;
-// Of many supporters so many are looked at: those of fifteen lines are hardly missed.
+// Of many supporters so many are looked at; on two lines one in as many may lie elsewhere.
 constexpr std::size_t kSupportersLookedAt = 96;
+constexpr std::size_t kPointsPerStray = 32;
+// Two lines look like more along a direction that is not quite theirs, which their points then tell better.
+constexpr std::size_t kMostLines = 16;
+constexpr int kRefinements = 2;
 // Lengths that differ by less, in noise bounds, agree.
 constexpr double kAgreeing = 2.0;
 // A row within so many noise bounds of its target is explained.
@@ -59,17 +62,54 @@ Point across(const Eigen::Vector3f& direction, const Point& p) {
   return {p.x - position * direction.x(), p.y - position * direction.y(), p.z - position * direction.z()};
 }
 
-// Lines along a direction that points lie on, to within a radius: kFewLines at most.
-std::size_t count_lines(std::span<const Point> points, const Eigen::Vector3f& direction, float radius) {
-  std::vector<Point> lines;
+Eigen::Vector3f vector_of(const Point& p) { return {p.x, p.y, p.z}; }
+
+Eigen::Matrix3f axes_of(const Eigen::Matrix3f& scatter) {
+  return Eigen::SelfAdjointEigenSolver<Eigen::Matrix3f>(scatter).eigenvectors();
+}
+
+// Points on one line along a direction, to within a radius of the first.
+struct Line {
+  Point first;
+  std::vector<Eigen::Vector3f> points;
+};
+
+// As many as kMostLines: more are no few, whatever the direction's error.
+std::vector<Line> lines_along(const Eigen::Vector3f& direction, std::span<const Point> points, float radius) {
+  std::vector<Line> lines;
   for (const Point& point : points) {
     const Point place = across(direction, point);
-    const auto is_there = [&](const Point& line) { return squared_distance(line, place) < radius * radius; };
-    if (std::ranges::any_of(lines, is_there)) continue;
-    lines.push_back(place);
-    if (lines.size() == kFewLines) break;
+    const auto line = std::ranges::find_if(
+        lines, [&](const Line& other) { return squared_distance(other.first, place) < radius * radius; });
+    if (line != lines.end()) {
+      line->points.push_back(vector_of(point));
+    } else if (lines.size() < kMostLines) {
+      lines.push_back({place, {vector_of(point)}});
+    } else {
+      break;
+    }
   }
-  return lines.size();
+  return lines;
+}
+
+// The direction that the points of all lines vary along most.
+Eigen::Vector3f refined(const std::vector<Line>& lines) {
+  Eigen::Matrix3f scatter = Eigen::Matrix3f::Zero();
+  for (const Line& line : lines) {
+    Eigen::Vector3f sum = Eigen::Vector3f::Zero();
+    for (const Eigen::Vector3f& point : line.points) sum += point;
+    const Eigen::Vector3f mean = sum / static_cast<float>(line.points.size());
+    for (const Eigen::Vector3f& point : line.points) scatter += (point - mean) * (point - mean).transpose();
+  }
+  return axes_of(scatter).col(2);
+}
+
+// Whether two of the lines hold the points, but for strays.
+bool are_two(const std::vector<Line>& lines, std::size_t points) {
+  std::vector<std::size_t> sizes;
+  for (const Line& line : lines) sizes.push_back(line.points.size());
+  std::ranges::sort(sizes, std::greater<>());
+  return sizes.front() + (sizes.size() > 1 ? sizes[1] : 0) + points / kPointsPerStray >= points;
 }
 
 // Directions that lines through points may have: the principal axes, and the main direction from each to the nearest
@@ -89,35 +129,33 @@ std::array<Eigen::Vector3f, 4> line_directions(const Eigen::Matrix3Xf& points, f
     }
     if (std::isfinite(least)) to_nearest += difference * difference.transpose() / least;
   }
-  const auto axes_of = [](const Eigen::Matrix3f& scatter) -> Eigen::Matrix3f {
-    return Eigen::SelfAdjointEigenSolver<Eigen::Matrix3f>(scatter).eigenvectors();
-  };
   const Eigen::Matrix3f axes = axes_of(centred * centred.transpose());
   return {axes.col(0), axes.col(1), axes.col(2), axes_of(to_nearest).col(2)};
 }
 
-// The direction along which supporters lie on fewest lines, where these are few.
-std::optional<Eigen::Vector3f> few_lines(const CorrespondenceView& view, const WorkingPose& pose, double noise_bound,
-                                         double radius) {
+// Directions along which supporters of the pose lie on two lines.
+std::vector<Eigen::Vector3f> directions_of_two_lines(const CorrespondenceView& view, const WorkingPose& pose,
+                                                     double noise_bound, double radius) {
   const std::vector<std::uint32_t> supporters = pose_inliers(view, pose, noise_bound);
   const std::size_t count = std::min(supporters.size(), kSupportersLookedAt);
-  if (count == 0) return std::nullopt;
+  std::vector<Eigen::Vector3f> directions;
+  if (count == 0) return directions;
   std::vector<Point> points;
   Eigen::Matrix3Xf columns(3, static_cast<Eigen::Index>(count));
   for (std::size_t k = 0; k < count; ++k) {
     points.push_back(source_point(view, supporters[k * supporters.size() / count]));
-    columns.col(static_cast<Eigen::Index>(k)) << points[k].x, points[k].y, points[k].z;
+    columns.col(static_cast<Eigen::Index>(k)) = vector_of(points[k]);
   }
   const auto reach = static_cast<float>(radius * view.scale());
-  std::optional<Eigen::Vector3f> direction;
-  std::size_t fewest = kFewLines;
-  for (const Eigen::Vector3f& candidate : line_directions(columns, reach)) {
-    const std::size_t lines = count_lines(points, candidate, reach);
-    if (lines >= fewest) continue;
-    fewest = lines;
-    direction = candidate;
+  for (Eigen::Vector3f direction : line_directions(columns, reach)) {
+    std::vector<Line> lines = lines_along(direction, points, reach);
+    for (int round = 0; round < kRefinements && lines.size() < kMostLines && !are_two(lines, count); ++round) {
+      direction = refined(lines);
+      lines = lines_along(direction, points, reach);
+    }
+    if (are_two(lines, count)) directions.push_back(direction);
   }
-  return direction;
+  return directions;
 }
 
 // Whether rows of a line that the pose misses come together.
@@ -219,10 +257,11 @@ double Coherence::length(const WorkingPose& pose, double least, double most) con
   return std::clamp(length, least, most);
 }
 
-std::optional<Eigen::Vector3f> few_coherent_lines(const CorrespondenceView& view, const WorkingPose& pose,
-                                                  double noise_bound, double radius) {
-  const std::optional<Eigen::Vector3f> along = few_lines(view, pose, noise_bound, radius);
-  return along && are_coherent_along(*along, view, pose, noise_bound, radius) ? along : std::nullopt;
+bool are_on_two_coherent_lines(const CorrespondenceView& view, const WorkingPose& pose, double noise_bound,
+                               double radius) {
+  return std::ranges::any_of(
+      directions_of_two_lines(view, pose, noise_bound, radius),
+      [&](const Eigen::Vector3f& direction) { return are_coherent_along(direction, view, pose, noise_bound, radius); });
 }
 
 }  // namespace consimd::detail

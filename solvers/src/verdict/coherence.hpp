@@ -4,10 +4,7 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
-#include <optional>
 #include <vector>
-
-#include <Eigen/Core>
 
 #include <consimd/kernels/correspondences.hpp>
 #include <consimd/kernels/kernel_data.hpp>
@@ -41,11 +38,11 @@ class Coherence {
   std::array<double, kSteps> by_chance_{};  // share of pairs whose targets are about as far apart as the step is
 };
 
-/// The direction, source frame, along which supporters of the pose lie on so few lines that these may have come into
-/// place by chance, each with all its rows, if rows of a line along it do come together: of two that are no supporters,
-/// farther apart than `radius` and closer across the direction, the targets are as far apart as the sources far more
-/// often than those of any two. Of many rows some are looked at. noise_bound, radius: caller's unit.
-[[nodiscard]] std::optional<Eigen::Vector3f> few_coherent_lines(const CorrespondenceView& view, const WorkingPose& pose,
-                                                                double noise_bound, double radius);
+/// Whether supporters of the pose lie on two parallel lines, one or two strays aside, whose rows come into place
+/// together: of two rows on a line along theirs that are no supporters, farther apart than `radius`, the targets are as
+/// far apart as the sources far more often than those of any two. Of many rows some are looked at. noise_bound, radius:
+/// caller's unit.
+[[nodiscard]] bool are_on_two_coherent_lines(const CorrespondenceView& view, const WorkingPose& pose,
+                                             double noise_bound, double radius);
 
 }  // namespace consimd::detail

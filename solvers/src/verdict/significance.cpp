@@ -87,8 +87,8 @@ Significance significance(const Correspondences& correspondences, const WorkingP
   }
   double false_poses = glance(view, pose, noise_bound);
   if (false_poses > kEnough) false_poses = std::min(false_poses, second_glance(correspondences, pose, noise_bound));
-  const bool is_in_doubt =
-      false_poses < 0.0 && detail::few_coherent_lines(view, pose, noise_bound, detail::kLargestRadius * noise_bound);
+  const bool is_in_doubt = false_poses < 0.0 && detail::are_on_two_coherent_lines(view, pose, noise_bound,
+                                                                                  detail::kLargestRadius * noise_bound);
   return {is_in_doubt ? 0.0 : false_poses / std::numbers::ln10};
 }
 
