@@ -107,6 +107,7 @@ Eigen::Vector3f refined(const std::vector<Line>& lines) {
 // Whether two of the lines hold the points, but for strays.
 bool are_two(const std::vector<Line>& lines, std::size_t points) {
   std::vector<std::size_t> sizes;
+  sizes.reserve(lines.size());
   for (const Line& line : lines) sizes.push_back(line.points.size());
   std::ranges::sort(sizes, std::greater<>());
   return sizes.front() + (sizes.size() > 1 ? sizes[1] : 0) + points / kPointsPerStray >= points;
