@@ -150,8 +150,10 @@ FixedPointDescriptors::FixedPointDescriptors(std::span<const float> values, cons
   data_.reset(allocate(parts.end));
   std::int32_t* data = data_.get();
   std::memset(data, 0, parts.end * sizeof(std::int32_t));
-  // Behind the last tile are boxes that are farther from any than descriptors are from each other.
-  std::fill(data + parts.lows, data + parts.tiles, static_cast<std::int32_t>(4.0 * kLargestNorm));
+  // Behind the last tile are boxes that hold all descriptors, so that gaps are small, with centres that are farther
+  // from any than descriptors are from each other.
+  std::fill(data + parts.lows, data + parts.highs, -static_cast<std::int32_t>(kLargestNorm));
+  std::fill(data + parts.highs, data + parts.tiles, 8 * static_cast<std::int32_t>(kLargestNorm));
   auto* const rows = reinterpret_cast<std::int16_t*>(data + parts.rows);
   auto* const tiles = reinterpret_cast<std::int16_t*>(data + parts.tiles);
   for (std::size_t place = 0; place < size; ++place) {
