@@ -6,6 +6,7 @@ set -euo pipefail
 
 . "$(dirname "${BASH_SOURCE[0]}")/shell/building.sh"
 
+# Under the thread sanitizer GCC 12 warns of what it makes of strings and optionals itself: the preset turns that off.
 preset=${1:-asan}
 folder=${2:-}
 [[ $preset == asan || $preset == tsan ]] || fail "sanitize: '$preset' is neither asan nor tsan"
