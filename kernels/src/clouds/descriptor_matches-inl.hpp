@@ -60,8 +60,8 @@ class MatchSearch {
     }
   }
 
-  /// Of each group the tile, and of each tile the group, between the centres of whose boxes the sum of the components'
-  /// differences is least. What is found only orders the search.
+  /// Finds the tile that is most like each group, and the group that is most like each tile: the sum of the differences
+  /// between the centres of their boxes is least. What is found only orders the search.
   void find_most_alike() const {
     for (std::size_t t = 0; t < targets_.box_stride; ++t) {
       scratch_.distances_of_tiles[t] = kFarthest;

@@ -31,8 +31,9 @@ constexpr std::size_t kRowsOfLines = 1024;
 // other lines.
 constexpr std::uint32_t kOnLines = 64;
 constexpr std::size_t kPartners = 8;
-// Of many supporters so many are looked at; on two lines one in as many may lie elsewhere.
+// Supporters that are looked at, where there are more.
 constexpr std::size_t kSupportersLookedAt = 96;
+// One in so many may lie beside the two lines: a row that supports the pose by chance.
 constexpr std::size_t kPointsPerStray = 32;
 // Two lines look like more along a direction that is not quite theirs, which their points then tell better.
 constexpr std::size_t kMostLines = 16;
@@ -74,7 +75,8 @@ struct Line {
   std::vector<Eigen::Vector3f> points;
 };
 
-// As many as kMostLines: more are no few, whatever the direction's error.
+// The lines along a direction that points lie on; the search ends at kMostLines, which are not two, whatever the
+// direction's error.
 std::vector<Line> lines_along(const Eigen::Vector3f& direction, std::span<const Point> points, float radius) {
   std::vector<Line> lines;
   for (const Point& point : points) {
