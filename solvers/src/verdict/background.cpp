@@ -1,8 +1,12 @@
 #include "verdict/background.hpp"
 
+#include <oneapi/tbb/parallel_for.h>
+#include <oneapi/tbb/task_arena.h>
+
 #include <algorithm>
 #include <array>
 #include <cstdint>
+#include <mutex>
 #include <optional>
 #include <utility>
 #include <vector>
@@ -40,6 +44,9 @@ static_assert(kTestedBounds[kHalf] == 0.5);
 // Targets that a moved source reaches, up to which they are found in cells rather than among each stratum's rows: of
 // uniform rows, 1000 and 5000, both take as long at three to five.
 constexpr double kLittle = 4.0;
+// Kinds of structure that several threads look at side by side. One of them that explains the pose ends the look, so
+// that what was done for the others is lost then.
+constexpr std::size_t kAtOnce = 4;
 
 bool same(const WorkingPose& a, const WorkingPose& b) {
   return std::ranges::equal(a.rotation, b.rotation) && std::ranges::equal(a.translation, b.translation);
@@ -72,6 +79,78 @@ void narrow_down(const PairingHits& support, const Chances& at_random, Chances& 
     chances.support[b] = std::max(chances.support[b], share * chances.support.front());
   }
 }
+
+// A pose, what supports it, and what random pairing gives it.
+class HeldPose {
+ public:
+  HeldPose(const CorrespondenceView& view, const WorkingPose& pose, double noise_bound, double radius)
+      : view_(view),
+        pose_(pose),
+        matched_(view, pose, noise_bound),
+        found_(supports(view, pose, noise_bound, radius)),
+        reach_(noise_bound * fit_gain(found_)),
+        at_random_(random_chances(view, pose, noise_bound, reach_, kPairs, kShifts, RareHits::extrapolated, matched_)),
+        reaches_little_(at_random_.support.front() * static_cast<double>(view.size()) < kLittle) {}
+
+  [[nodiscard]] const MatchedPoints& matched() const { return matched_; }
+  [[nodiscard]] double reach() const { return reach_; }  // caller's unit
+  [[nodiscard]] const Chances& at_random() const { return at_random_; }
+
+  [[nodiscard]] double log_false_poses(const Chances& chances) const {
+    return detail::log_false_poses(static_cast<double>(view_.size()), found_, chances);
+  }
+
+  // Several threads may ask at a time.
+  [[nodiscard]] PairingHits support(const Lookalikes& lookalikes) const {
+    return lookalikes.support(pose_, reach_, matched_);
+  }
+  [[nodiscard]] PairingHits support(const Strata& strata) const {
+    if (!reaches_little_) return strata.support(pose_, reach_, matched_);
+    std::call_once(is_reached_, [this] { reached_ = reached_targets(view_, pose_, reach_); });
+    return strata.support(reached_, reach_, matched_);
+  }
+
+  // ln of false poses where pairing of a kind gives the pose as much, beyond what random pairing does.
+  template <typename Pairing>
+  [[nodiscard]] double log_false_poses(const Pairing& pairing, const PairingHits& support, const PairingHits& lengths) {
+    std::optional<bool> told;
+    const auto shows_wider = [&] {
+      if (!told) told = this->shows_wider(pairing);
+      return *told;
+    };
+    // A thousand pairs of lengths have hits enough by chance.
+    const auto is_told_by_lengths = [] { return true; };
+    Chances chances;
+    for (std::size_t b = 0; b < kTestedBounds.size(); ++b) {
+      chances.support[b] = structured(at_random_.support[b], support.hits[b], support.trials, shows_wider);
+      chances.length[b] = structured(at_random_.length[b], lengths.hits[b], lengths.trials, is_told_by_lengths);
+    }
+    narrow_down(support, at_random_, chances);
+    return log_false_poses(chances);
+  }
+
+ private:
+  template <typename Pairing>
+  bool shows_wider(const Pairing& pairing) {
+    const std::array wider{kWider * reach_};
+    if (!at_random_wider_) {
+      at_random_wider_ = pose_chances(view_, pose_, wider, kShifts, RareHits::extrapolated, matched_).front();
+    }
+    const PairingHits hits = pairing.support(pose_, wider.front(), matched_);
+    return is_rarer(*at_random_wider_, hits.hits.front(), hits.trials, kNoStructureOfFew);
+  }
+
+  CorrespondenceView view_;
+  const WorkingPose& pose_;
+  MatchedPoints matched_;
+  Supports found_;
+  double reach_;
+  Chances at_random_;
+  bool reaches_little_;
+  std::optional<double> at_random_wider_;
+  mutable std::once_flag is_reached_;
+  mutable std::vector<ReachedTarget> reached_;
+};
 
 }  // namespace
 
@@ -118,57 +197,41 @@ double Background::log_false_poses(const WorkingPose& pose, double enough) const
 
 double Background::measured(const WorkingPose& pose, double enough) const {
   const CorrespondenceView view = correspondences_->view();
-  const auto size = static_cast<double>(view.size());
   const double radius = coherence_.length(pose, kLeastRadius, kLargestRadius) * noise_bound_;
-  const Supports found = supports(view, pose, noise_bound_, radius);
-  const MatchedPoints matched(view, pose, noise_bound_);
-  const double reach = noise_bound_ * fit_gain(found);
-  const Chances at_random =
-      random_chances(view, pose, noise_bound_, reach, kPairs, kShifts, RareHits::extrapolated, matched);
-  double most = detail::log_false_poses(size, found, at_random);
-  double at_random_wider = -1.0;
-  const auto look = [&](const PairingHits& support, const PairingHits& lengths, const auto& pairing) {
-    std::optional<bool> told;
-    const auto shows_wider = [&] {
-      if (told) return *told;
-      const std::array wider{kWider * reach};
-      if (at_random_wider < 0.0) {
-        at_random_wider = pose_chances(view, pose, wider, kShifts, RareHits::extrapolated, matched).front();
-      }
-      const PairingHits hits = pairing.support(pose, wider.front(), matched);
-      told = is_rarer(at_random_wider, hits.hits.front(), hits.trials, kNoStructureOfFew);
-      return *told;
-    };
-    // A thousand pairs of lengths have hits enough by chance.
-    const auto is_told_by_lengths = [] { return true; };
-    Chances chances;
-    for (std::size_t b = 0; b < kTestedBounds.size(); ++b) {
-      chances.support[b] = structured(at_random.support[b], support.hits[b], support.trials, shows_wider);
-      chances.length[b] = structured(at_random.length[b], lengths.hits[b], lengths.trials, is_told_by_lengths);
-    }
-    narrow_down(support, at_random, chances);
-    most = std::max(most, detail::log_false_poses(size, found, chances));
-  };
+  HeldPose held(view, pose, noise_bound_, radius);
+  double most = held.log_false_poses(held.at_random());
   if (most >= enough) return most;
   // Two lines determine a pose, whatever rows they have.
-  for (const auto& [chances, along] : kept_chances(*correspondences_, pose, noise_bound_, reach, at_random, matched)) {
+  for (const auto& [chances, along] :
+       kept_chances(*correspondences_, pose, noise_bound_, held.reach(), held.at_random(), held.matched())) {
     const bool is_told = along.empty() || supports(view, pose, noise_bound_, radius, along).front().spread > 2.0;
-    most = std::max(most, is_told ? detail::log_false_poses(size, found, chances) : 0.0);
+    most = std::max(most, is_told ? held.log_false_poses(chances) : 0.0);
   }
   if (most >= enough) return most;
   if (are_on_two_coherent_lines(view, pose, noise_bound_, radius)) most = std::max(most, 0.0);
   if (most >= enough) return most;
-  const auto& [alike, alike_lengths] = lookalikes();
-  look(alike.support(pose, reach, matched), alike_lengths, alike);
-  if (most >= enough) return most;
-  const bool reaches_little = at_random.support.front() * size < kLittle;
-  const std::vector<ReachedTarget> reached =
-      reaches_little ? reached_targets(view, pose, reach) : std::vector<ReachedTarget>{};
-  for (std::size_t k = 0; k < kinds_.size(); ++k) {
-    for (const auto& [strata, lengths] : kind(k)) {
-      look(reaches_little ? strata.support(reached, reach, matched) : strata.support(pose, reach, matched), lengths,
-           strata);
-      if (most >= enough) return most;
+  // Lookalikes come first, then strata of one kind after the other.
+  const std::size_t structures = 1 + kinds_.size();
+  const auto at_once = std::min(kAtOnce, static_cast<std::size_t>(tbb::this_task_arena::max_concurrency()));
+  std::array<std::vector<PairingHits>, kAtOnce> support;
+  for (std::size_t first = 0; first < structures; first += at_once) {
+    const std::size_t end = std::min(first + at_once, structures);
+    tbb::parallel_for(first, end, [&](std::size_t s) {
+      std::vector<PairingHits>& here = support[s - first];
+      here.clear();
+      if (s == 0) here.push_back(held.support(lookalikes().lookalikes));
+      if (s == 0) return;
+      for (const Kept& kept : kind(s - 1)) here.push_back(held.support(kept.strata));
+    });
+    for (std::size_t s = first; s < end; ++s) {
+      for (std::size_t way = 0; way < support[s - first].size(); ++way) {
+        const PairingHits& hits = support[s - first][way];
+        const double explained =
+            s == 0 ? held.log_false_poses(lookalikes_->lookalikes, hits, lookalikes_->lengths)
+                   : held.log_false_poses(kinds_[s - 1][way].strata, hits, kinds_[s - 1][way].lengths);
+        most = std::max(most, explained);
+        if (most >= enough) return most;
+      }
     }
   }
   return most;

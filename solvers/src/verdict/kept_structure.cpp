@@ -214,7 +214,7 @@ KeptStructure::KeptStructure(const Correspondences& correspondences)
 std::size_t KeptStructure::kinds() const { return kKept.size(); }
 
 std::vector<Strata> KeptStructure::strata(std::size_t kind, double apart) const {
-  if (!sorted_) sorted_ = std::make_shared<const Sorted>(*correspondences_, 1);
+  std::call_once(is_sorted_, [&] { sorted_ = std::make_shared<const Sorted>(*correspondences_, 1); });
   std::vector<Partition>& partitions = partitions_[kind];
   if (partitions.empty()) partitions = sorted_->partitions(kKept[kind], kStratumRows, true);
   std::vector<Strata> result;

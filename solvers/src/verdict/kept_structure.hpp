@@ -3,6 +3,7 @@
 
 #include <cstddef>
 #include <memory>
+#include <mutex>
 #include <vector>
 
 #include <consimd/kernels/correspondences.hpp>
@@ -15,7 +16,7 @@ namespace consimd::detail {
 /// principal axes of the sources (height, position along a wall or in a corridor's cross-section), the distance from
 /// their viewpoint and from the centroid (the range about a sensor, wherever it is; nothing is lost
 /// where there is none), and the position itself (clusters, surfaces, lines). Rows are cut into the strata of a kind
-/// when these are first asked for, at whatever bound. Not for several threads at a time.
+/// when these are first asked for, at whatever bound; several threads may ask for different kinds at a time.
 class KeptStructure {
  public:
   /// Keeps a pointer to the correspondences.
@@ -33,6 +34,7 @@ class KeptStructure {
   struct Sorted;
 
   const Correspondences* correspondences_;
+  mutable std::once_flag is_sorted_;
   mutable std::shared_ptr<const Sorted> sorted_;
   mutable std::vector<std::vector<Partition>> partitions_;  // by kind
 };
