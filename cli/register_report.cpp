@@ -79,6 +79,8 @@ Json evidence_json(const features::PoseEvidence& evidence) {
                {"samples", evidence.samples},
                {"displaced_agreement", evidence.displaced_agreement},
                {"displaced_seen_through", evidence.displaced_seen_through},
+               {"fitted_agreement", evidence.fitted_agreement},
+               {"fitted_seen_through", evidence.fitted_seen_through},
                {"scale", evidence.scaled.scale},
                {"gain_by_scale", evidence.scaled.gain},
                {"rival", nullptr}};
@@ -94,6 +96,7 @@ Json evidence_json(const features::PoseEvidence& evidence) {
 
 Json verdict_json(const features::CloudVerdict& verdict) {
   Json json = {{"of_correspondences", to_string(verdict.of_correspondences)},
+               {"found_by_clouds", verdict.found_by_clouds},
                {"pose", verdict.pose ? evidence_json(*verdict.pose) : Json(nullptr)}};
   if (verdict.runner_up) json["runner_up"] = evidence_json(*verdict.runner_up);
   return json;
@@ -164,7 +167,10 @@ std::string verdict_text(const features::CloudVerdict& verdict, const Registrati
     text += fmt::format("              and {:.2f} times as well with the source scaled by {:.4g}: of one scale?\n",
                         verdict.pose->scaled.gain, verdict.pose->scaled.scale);
   }
-  if (verdict.of_correspondences != run.status) {
+  if (verdict.found_by_clouds) {
+    text += fmt::format("              and gave the pose: the one of the correspondences ({}) led to it\n",
+                        to_string(verdict.of_correspondences));
+  } else if (verdict.of_correspondences != run.status) {
     text += fmt::format("              and decide: the correspondences alone gave {}\n",
                         to_string(verdict.of_correspondences));
   }

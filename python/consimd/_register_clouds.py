@@ -63,8 +63,8 @@ def register_clouds(
     matches = _matches(fields["matches"])
     verdict = None
     if fields["verdict"] is not None:
-        pose, runner_up, log10_of_both, status = fields["verdict"]
-        verdict = CloudVerdict(_evidence(pose), _evidence(runner_up), log10_of_both, Status(status))
+        pose, runner_up, log10_of_both, by_clouds, status = fields["verdict"]
+        verdict = CloudVerdict(_evidence(pose), _evidence(runner_up), log10_of_both, by_clouds, Status(status))
     refinement = None if fields["refinement"] is None else _refinement(fields["refinement"])
     registration = _registration(
         fields["registration"],

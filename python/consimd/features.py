@@ -158,6 +158,10 @@ class PoseEvidence(NamedTuple):
     """As `agreement`, mean of the displaced poses."""
     displaced_seen_through: float
     """As `seen_through`, mean of the displaced poses."""
+    fitted_agreement: float
+    """As `agreement`, with the pose fitted to the surfaces near it, where its chance is below 1 in 20; 0 elsewhere."""
+    fitted_seen_through: float
+    """As `seen_through`, with the pose fitted likewise."""
     scale: float
     """Of the source, at which the clouds agree best near the pose; 1 where it was not looked for."""
     gain_by_scale: float
@@ -177,6 +181,8 @@ class CloudVerdict(NamedTuple):
     log10_of_both: float
     """log10 of the chance of the pose that stands: that of the clouds' agreement times the number of such poses that the
     correspondences give by chance. 0 where none stands."""
+    found_by_clouds: bool
+    """The pose is none that the correspondences gave, but one that the clouds led to from there."""
     of_correspondences: Status
     """The status that the correspondences alone gave."""
 

@@ -119,6 +119,8 @@ nb::object evidence_fields(const std::optional<features::PoseEvidence>& evidence
   fields["displacements"] = evidence->displacements;
   fields["displaced_agreement"] = evidence->displaced_agreement;
   fields["displaced_seen_through"] = evidence->displaced_seen_through;
+  fields["fitted_agreement"] = evidence->fitted_agreement;
+  fields["fitted_seen_through"] = evidence->fitted_seen_through;
   fields["scale"] = evidence->scaled.scale;
   fields["gain_by_scale"] = evidence->scaled.gain;
   fields["rival"] = nb::none();
@@ -156,8 +158,9 @@ nb::dict register_clouds(const MatchingArguments& arguments, std::optional<doubl
   if (result->refinement) fields["refinement"] = refinement_fields(*result->refinement);
   fields["verdict"] = nb::none();
   if (const auto& verdict = result->verdict) {
-    fields["verdict"] = nb::make_tuple(evidence_fields(verdict->pose), evidence_fields(verdict->runner_up),
-                                       verdict->log10_of_both, to_string(verdict->of_correspondences));
+    fields["verdict"] =
+        nb::make_tuple(evidence_fields(verdict->pose), evidence_fields(verdict->runner_up), verdict->log10_of_both,
+                       verdict->found_by_clouds, to_string(verdict->of_correspondences));
   }
   fields["attempts"] = result->attempts;
   return fields;

@@ -169,6 +169,8 @@ class CloudVerdict : public testing::Test {
   const Seen source_{points_};
   const Seen target_{scan_of(scene_, 0.0, 0.0, 2)};
   const PoseVerifier verifier_{{source_.scan, source_.surfaces}, {target_.scan, target_.surfaces}, kVoxel};
+  const Seen elsewhere_{scan_of(street(106), 0.0, 0.0, 2)};
+  const PoseVerifier between_places_{{source_.scan, source_.surfaces}, {elsewhere_.scan, elsewhere_.surfaces}, kVoxel};
   const RigidTransform right_ = between_scans(4.0, 0.0, 0.0, 0.0);
   const RigidTransform wrong_ = between_scans(-9.0, 0.2, 0.0, 0.0);
   const Correspondences correspondences_ = rows_of(points_, right_);
@@ -205,11 +207,12 @@ TEST_F(CloudVerdict, ARightPoseStaysAsItIs) {
   expect_the_right_pose(result);
 }
 
-TEST_F(CloudVerdict, AWrongPoseIsRefused) {
+TEST_F(CloudVerdict, APoseBetweenDifferentPlacesIsRefused) {
   for (const Status status : {Status::success, Status::ambiguous, Status::budget_exhausted}) {
     Registration result = with(status, wrong_, -30.0);
     if (status == Status::ambiguous) result.runner_up = RunnerUp{between_scans(-20.0, 1.0, 0.0, 0.0), 4, -5.0};
-    features::decide(verifier_, correspondences_, result);
+    const features::CloudVerdict verdict = features::decide(between_places_, correspondences_, result);
+    EXPECT_FALSE(verdict.found_by_clouds);
     EXPECT_EQ(result.status, Status::no_consensus);
     EXPECT_TRUE(result.inliers.empty());
     EXPECT_EQ(result.T_target_source.matrix(), RigidTransform::Identity().matrix());
@@ -218,6 +221,66 @@ TEST_F(CloudVerdict, AWrongPoseIsRefused) {
     EXPECT_EQ(result.refused->T_target_source.matrix(), wrong_.matrix());
     EXPECT_FALSE(result.runner_up);
   }
+}
+
+// 13 m along the street, with the same ground and houses in a line: the clouds have a better pose there.
+TEST_F(CloudVerdict, AWrongPoseLeadsToTheRightOne) {
+  for (const Status status : {Status::success, Status::no_consensus}) {
+    Registration result = with(status, wrong_);
+    if (status == Status::no_consensus) result.refused = RunnerUp{wrong_, 4, -1.0};
+    const features::CloudVerdict verdict = features::decide(verifier_, correspondences_, result);
+    EXPECT_TRUE(verdict.found_by_clouds);
+    expect_the_right_pose(result);
+    EXPECT_LT((result.T_target_source.matrix() - right_.matrix()).norm(), 0.05);
+    EXPECT_GT(result.inliers.size(), correspondences_.size() / 2);
+    EXPECT_LT(result.log10_false_poses, -10.0);
+    EXPECT_LT(verdict.log10_of_both, verdict.pose->log10_chance);
+    EXPECT_LT(verdict.pose->rival->share_of_score, 0.8);
+    EXPECT_GT(verdict.runner_up->rival->share_of_score, 1.0);  // of the pose that was followed from
+  }
+}
+
+// No row supports it: whatever the clouds say, that is no registration of these correspondences.
+TEST_F(CloudVerdict, APoseThatNoRowSupportsIsNoSuccess) {
+  Registration result = with(Status::no_consensus, wrong_);
+  result.refused = RunnerUp{wrong_, 4, -1.0};
+  Points away = points_;
+  for (auto& p : away) p[2] += 30.0;
+  const features::CloudVerdict verdict = features::decide(verifier_, rows_of(away, right_.inverse()), result);
+  EXPECT_FALSE(verdict.found_by_clouds);
+  EXPECT_EQ(result.status, Status::no_consensus);
+}
+
+// Two attempts that lead to one pose need less of each: what one led to is told, and believed where another does.
+TEST_F(CloudVerdict, WhatTwoAttemptsLeadToNeedsLess) {
+  EXPECT_TRUE(verifier_.are_alike(right_, between_scans(4.4, 0.0, 0.0, 0.0)));
+  EXPECT_FALSE(verifier_.are_alike(right_, between_scans(7.0, 0.0, 0.0, 0.0)));
+  EXPECT_FALSE(verifier_.are_alike(right_, between_scans(4.0, 0.3, 0.0, 0.0)));
+  std::size_t told = 0;
+  for (std::uint32_t seed = 1; seed <= 12; ++seed) {
+    const Street scene = street(seed);
+    const double ahead = 18.0;
+    const Points points = scan_of(scene, ahead, 0.2, 1);
+    const Seen source(points), target(scan_of(scene, 0.0, 0.0, 2));
+    const RigidTransform right = between_scans(ahead, 0.2, 0.0, 0.0);
+    const PoseVerifier verifier({source.scan, source.surfaces}, {target.scan, target.surfaces}, kVoxel);
+    const auto decided = [&](const std::optional<RigidTransform>& led_to_before) {
+      Registration result;
+      result.noise_bound = 0.2;
+      result.refused = RunnerUp{right, 4, 2.0};
+      return std::pair(features::decide(verifier, rows_of(points, right), result, led_to_before), result);
+    };
+    const auto [verdict, result] = decided(std::nullopt);
+    if (!verdict.led_to) continue;
+    ++told;
+    EXPECT_FALSE(result.has_pose());
+    EXPECT_LT((verdict.led_to->matrix() - right.matrix()).norm(), 0.3);
+    EXPECT_FALSE(decided(between_scans(9.0, 0.2, 0.0, 0.0)).second.has_pose());
+    const auto [again, believed] = decided(*verdict.led_to);
+    EXPECT_TRUE(again.found_by_clouds);
+    EXPECT_EQ(believed.T_target_source.matrix(), verdict.led_to->matrix());
+  }
+  EXPECT_GT(told, 0u);
 }
 
 TEST_F(CloudVerdict, DecidesBetweenAPoseAndItsRival) {
@@ -241,8 +304,9 @@ TEST_F(CloudVerdict, TakesARightPoseThatHadTooFewCorrespondences) {
     EXPECT_FALSE(result.covariance.isZero(0.0));
   }
   Registration result;
+  result.noise_bound = 0.2;
   result.refused = RunnerUp{wrong_, 4, -2.0};
-  features::decide(verifier_, correspondences_, result);
+  features::decide(between_places_, correspondences_, result);
   EXPECT_EQ(result.status, Status::no_consensus);
   EXPECT_TRUE(result.refused);
 }

@@ -22,7 +22,9 @@ constexpr double kBeyondDoubt = -12.0;
 constexpr double kPointsAcrossRings[] = {4.0, 8.0};
 constexpr std::size_t kFewVoxels = 64;
 
-CloudRegistration attempt(const Cloud& source, const Cloud& target, const CloudRegistrationOptions& options) {
+/// led_to: by an attempt before this one, see CloudVerdict.
+CloudRegistration attempt(const Cloud& source, const Cloud& target, const CloudRegistrationOptions& options,
+                          const std::optional<RigidTransform>& led_to = std::nullopt) {
   CloudRegistration result{match_clouds(source, target, options.matching), {}};
   result.registration = register_by_name(options.solver, result.matches.correspondences,
                                          {.noise_bound = options.noise_bound.value_or(result.matches.noise_bound),
@@ -30,7 +32,7 @@ CloudRegistration attempt(const Cloud& source, const Cloud& target, const CloudR
                                           .filter = options.filter,
                                           .stop = options.stop});
   if (options.verify) {
-    result.verdict = verify_registration(source, target, result.matches, options.matching, result.registration);
+    result.verdict = verify_registration(source, target, result.matches, options.matching, result.registration, led_to);
   }
   return result;
 }
@@ -62,6 +64,7 @@ CloudRegistration verified(const Cloud& source, const Cloud& target, const Cloud
   CloudRegistration best = attempt(source, target, options);
   double voxel = best.matches.voxel;
   double needed = kBeyondDoubt;
+  std::optional<RigidTransform> led_to = options.verify ? best.verdict->led_to : std::nullopt;
   std::uint32_t attempts = 1;
   for (const double points_a_voxel : kPointsAcrossRings) {
     if (!options.verify || best.verdict->log10_of_both < needed || best.registration.stopped || is_decided(best)) break;
@@ -73,7 +76,8 @@ CloudRegistration verified(const Cloud& source, const Cloud& target, const Cloud
     voxel = coarser;
     CloudRegistrationOptions another = options;
     another.matching.voxel = voxel;
-    CloudRegistration found = attempt(source, target, another);
+    CloudRegistration found = attempt(source, target, another, led_to);
+    if (!led_to) led_to = found.verdict->led_to;
     if (found.verdict->log10_of_both <= best.verdict->log10_of_both) best = std::move(found);
     best.attempts = ++attempts;
     needed = 0.0;
@@ -84,15 +88,17 @@ CloudRegistration verified(const Cloud& source, const Cloud& target, const Cloud
 }  // namespace
 
 CloudVerdict verify_registration(const Cloud& source, const Cloud& target, const CloudMatches& matches,
-                                 const CloudMatchingOptions& options, Registration& registration) {
+                                 const CloudMatchingOptions& options, Registration& registration,
+                                 const std::optional<RigidTransform>& led_to_before) {
   if (!registration.has_pose() && !registration.refused) return {.of_correspondences = registration.status};
   const auto start = std::chrono::steady_clock::now();
   const PoseVerifier verifier({source, *matches.source_voxels, options.source_viewpoint},
                               {target, *matches.target_voxels, options.target_viewpoint}, matches.voxel, options.seed);
   const std::chrono::duration<double> prepared = std::chrono::steady_clock::now() - start;
-  const CloudVerdict verdict = decide(verifier, matches.correspondences, registration);
+  const CloudVerdict verdict = decide(verifier, matches.correspondences, registration, led_to_before);
   registration.stages.back().seconds += prepared.count();
   registration.seconds += prepared.count();
+  if (verdict.found_by_clouds) refine_registration(matches, RefinementMethod::plane, registration);
   return verdict;
 }
 

@@ -171,6 +171,10 @@ double log10_chance_of(double reached, const std::vector<double>& scores) {
   return elementary::log10(kTail) - (reached - threshold) / (excess * std::numbers::ln10);
 }
 
+void require_finite(const RigidTransform& T_target_source) {
+  if (!T_target_source.matrix().allFinite()) throw std::invalid_argument("T_target_source is not finite");
+}
+
 /// The first rows of an order, by falling value.
 template <typename Values>
 std::vector<std::size_t> highest(const Values& values, std::vector<std::size_t> rows, std::size_t count) {
@@ -178,6 +182,13 @@ std::vector<std::size_t> highest(const Values& values, std::vector<std::size_t> 
   if (rows.size() > count) rows.resize(count);
   return rows;
 }
+
+/// A pose fitted to the surfaces, and its rivals, the best first.
+struct Fits {
+  double agreement = 0.0;
+  double seen_through = 0.0;
+  std::vector<RivalPose> rivals;
+};
 
 }  // namespace
 
@@ -204,7 +215,7 @@ struct PoseVerifier::Clouds {
   [[nodiscard]] detail::FittedSurfaces fitted_surfaces() const { return {coarse, target.surfaces, layout, voxel}; }
 
   [[nodiscard]] RigidTransform fitted_rigidly(const RigidTransform& pose) const {
-    return fitted(fitted_surfaces(), source.samples, pose, detail::Freedom::rigid).T_target_source;
+    return detail::fitted(fitted_surfaces(), source.samples, pose, detail::Freedom::rigid).T_target_source;
   }
   /// How closely the surfaces agree, and what is seen through against that. weights: of the samples.
   [[nodiscard]] double score(const RigidTransform& pose, std::uint32_t seen_through,
@@ -214,18 +225,15 @@ struct PoseVerifier::Clouds {
            closeness(target.samples, {pose.inverse(), 1.0}, source.surfaces, weights.subspan(n)) -
            kSeenThroughWeight * static_cast<double>(seen_through);
   }
-  /// The other poses that are peaks of the agreement or of the most likely displaced ones, the best first. agrees:
-  /// which samples agree at the pose. candidates: other poses to begin at besides the peaks.
-  [[nodiscard]] std::vector<RivalPose> rivals_of(const RigidTransform& pose, std::vector<RigidTransform> candidates,
-                                                 std::span<const std::uint8_t> agrees,
-                                                 std::span<const double> weights) const;
+  /// Fits the pose to the surfaces, and the other poses that are peaks of the agreement or of the most likely displaced
+  /// ones. agrees: which samples agree at the pose. candidates: other poses to begin at besides the peaks.
+  [[nodiscard]] Fits fits_of(const RigidTransform& pose, std::vector<RigidTransform> candidates,
+                             std::span<const std::uint8_t> agrees, std::span<const double> weights) const;
   [[nodiscard]] ScaledFit scaled_fit_of(const RigidTransform& pose, std::span<const double> weights) const;
 };
 
-std::vector<RivalPose> PoseVerifier::Clouds::rivals_of(const RigidTransform& pose,
-                                                       std::vector<RigidTransform> candidates,
-                                                       std::span<const std::uint8_t> agrees,
-                                                       std::span<const double> weights) const {
+Fits PoseVerifier::Clouds::fits_of(const RigidTransform& pose, std::vector<RigidTransform> candidates,
+                                   std::span<const std::uint8_t> agrees, std::span<const double> weights) const {
   std::vector<std::size_t> rows;
   for (std::size_t i = 0; i < source.samples.size(); ++i) {
     if (agrees[i] != 0) rows.push_back(i);
@@ -250,26 +258,26 @@ std::vector<RivalPose> PoseVerifier::Clouds::rivals_of(const RigidTransform& pos
   std::vector<double> scores(candidates.size());
   for (std::size_t k = 0; k < candidates.size(); ++k) scores[k] = score(candidates[k], looks.seen_through[k], weights);
   const double of_pose = scores.back();
-  std::vector<RivalPose> rivals;
-  if (of_pose < kLeastScore) return rivals;
   const auto samples = static_cast<double>(looks.samples);
   const auto agreeing_at_pose = static_cast<double>(looks.agreeing(candidates.size() - 1));
+  Fits fits{agreeing_at_pose / samples, static_cast<double>(looks.seen_through.back()) / samples, {}};
+  if (of_pose < kLeastScore) return fits;
   std::vector<std::size_t> others(candidates.size() - 1);
   std::iota(others.begin(), others.end(), std::size_t{0});
   for (const std::size_t k : highest(scores, std::move(others), candidates.size())) {
-    rivals.push_back({.T_target_source = candidates[k],
-                      .share_of_score = scores[k] / of_pose,
-                      .share_of_agreement = static_cast<double>(looks.agreeing(k)) / agreeing_at_pose,
-                      .agreement = static_cast<double>(looks.agreeing(k)) / samples,
-                      .seen_through = static_cast<double>(looks.seen_through[k]) / samples});
+    fits.rivals.push_back({.T_target_source = candidates[k],
+                           .share_of_score = scores[k] / of_pose,
+                           .share_of_agreement = static_cast<double>(looks.agreeing(k)) / agreeing_at_pose,
+                           .agreement = static_cast<double>(looks.agreeing(k)) / samples,
+                           .seen_through = static_cast<double>(looks.seen_through[k]) / samples});
   }
-  return rivals;
+  return fits;
 }
 
 ScaledFit PoseVerifier::Clouds::scaled_fit_of(const RigidTransform& pose, std::span<const double> weights) const {
   const std::span<const double> of_source = weights.first(source.samples.size());
   const auto closeness_of = [&](detail::Freedom freedom, ScaledFit& fit) {
-    const detail::ScaledPose found = fitted(fitted_surfaces(), source.samples, pose, freedom);
+    const detail::ScaledPose found = detail::fitted(fitted_surfaces(), source.samples, pose, freedom);
     fit.scale = found.scale;
     return closeness(source.samples, found, target.surfaces, of_source);
   };
@@ -304,8 +312,19 @@ PoseVerifier::~PoseVerifier() = default;
 PoseVerifier::PoseVerifier(PoseVerifier&&) noexcept = default;
 PoseVerifier& PoseVerifier::operator=(PoseVerifier&&) noexcept = default;
 
+RigidTransform PoseVerifier::fitted(const RigidTransform& T_target_source) const {
+  require_finite(T_target_source);
+  return clouds_->fitted_rigidly(T_target_source);
+}
+
+bool PoseVerifier::are_alike(const RigidTransform& pose, const RigidTransform& other) const {
+  require_finite(pose);
+  require_finite(other);
+  return !detail::RivalSearch(clouds_->coarse, clouds_->layout, clouds_->voxel).is_another(pose, other);
+}
+
 PoseEvidence PoseVerifier::evidence(const RigidTransform& T_target_source) const {
-  if (!T_target_source.matrix().allFinite()) throw std::invalid_argument("T_target_source is not finite");
+  require_finite(T_target_source);
   PoseEvidence result;
   if (clouds_->source.samples.empty() || clouds_->target.samples.empty()) return result;
 
@@ -336,9 +355,11 @@ PoseEvidence PoseVerifier::evidence(const RigidTransform& T_target_source) const
     std::iota(all.begin(), all.end(), std::size_t{0});
     std::vector<RigidTransform> candidates;
     for (const std::size_t k : highest(scores, std::move(all), kBestDisplaced)) candidates.push_back(poses[k]);
+    const Fits fits = clouds_->fits_of(T_target_source, std::move(candidates), looks.agrees(displaced), weights);
+    result.fitted_agreement = fits.agreement;
+    result.fitted_seen_through = fits.seen_through;
     // The best one, unless another is as good as the pose by what is seen through.
-    for (const RivalPose& rival :
-         clouds_->rivals_of(T_target_source, std::move(candidates), looks.agrees(displaced), weights)) {
+    for (const RivalPose& rival : fits.rivals) {
       PoseEvidence with_rival = result;
       with_rival.rival = rival;
       const bool is_equal = has_equal_rival(with_rival);

@@ -20,6 +20,11 @@ struct CloudVerdict {
   /// log10 of the chance of the pose that stands: that of the clouds' agreement times the number of such poses that the
   /// correspondences give by chance. 0 where none stands.
   double log10_of_both = 0.0;
+  /// The pose is none that the correspondences gave, but one that the clouds led to from there.
+  bool found_by_clouds = false;
+  /// A pose that the clouds led to and all but bear out by themselves: another attempt, with other voxels, that leads
+  /// to it as well is enough.
+  std::optional<RigidTransform> led_to = std::nullopt;
   /// The status that the correspondences alone gave.
   Status of_correspondences = Status::no_consensus;
 };
@@ -45,14 +50,21 @@ struct CloudVerdict {
 /// Holds the pose and its rival against the clouds and lets these decide: a pose that they do not bear out becomes
 /// `no_consensus`, of two that fit the correspondences alike the one that they bear out is the `success`, as is one
 /// that had too few correspondences alone. The pose is refined on the correspondences where it was not theirs. A pose
-/// from which the clouds cannot tell another one of theirs is `ambiguous`, with that one as the runner-up. Clouds
-/// without surfaces decide nothing. Adds the stage "verification": samples, those that agree, poses tried.
+/// from which the clouds cannot tell another one of theirs is `ambiguous`, with that one as the runner-up.
+///
+/// Where that leaves no pose, or one of two, the clouds lead on: the pose is fitted to the surfaces, and its rival
+/// followed while that is the better one. What they lead to is the `success` where it is borne out, alone or together
+/// with the correspondences, has no equal rival and three rows that support it; it stays where the surfaces have it,
+/// with the covariance that the correspondences give. Clouds without surfaces decide nothing. Adds the stage
+/// "verification": samples, those that agree, poses tried.
 ///
 /// `registration` is one of `correspondences`, whose rows are points of the verifier's clouds: poses are in the
 /// caller's frames, its noise bound in the caller's unit. One without a pose and without a refused one stays as it is,
-/// without the stage. Throws std::invalid_argument on a pose that is not finite, or, where one has to be refined or a
-/// rival to be counted, on a noise bound that is not above 0 and at most 1e307.
-CloudVerdict decide(const PoseVerifier& verifier, const Correspondences& correspondences, Registration& registration);
+/// without the stage. `led_to_before`: CloudVerdict::led_to of another attempt. Throws std::invalid_argument on a pose
+/// that is not finite, or, where one has to be refined or a rival to be counted, on a noise bound that is not above 0
+/// and at most 1e307.
+CloudVerdict decide(const PoseVerifier& verifier, const Correspondences& correspondences, Registration& registration,
+                    const std::optional<RigidTransform>& led_to_before = std::nullopt);
 
 }  // namespace features
 }  // namespace consimd

@@ -58,6 +58,10 @@ struct PoseEvidence {
   std::size_t displacements = 0;     ///< poses that the chance comes from
   double displaced_agreement = 0.0;  ///< as `agreement`, mean of the displaced poses
   double displaced_seen_through = 0.0;  ///< as `seen_through`, mean of the displaced poses
+  /// As `agreement` and `seen_through`, with the pose fitted to the surfaces near it, where its chance is below 1
+  /// in 20.
+  double fitted_agreement = 0.0;
+  double fitted_seen_through = 0.0;
   /// The best other pose at which the clouds agree, where a scene repeats itself or about an axis of symmetry; before
   /// better ones that are seen through, the best that is as good as the pose (see has_equal_rival). None where there is
   /// no such, or the pose's own chance is above 1 in 20.
@@ -85,6 +89,13 @@ class PoseVerifier {
 
   /// T_target_source: caller's frames. Throws std::invalid_argument on one that is not finite.
   [[nodiscard]] PoseEvidence evidence(const RigidTransform& T_target_source) const;
+
+  /// The pose moved onto the surfaces near it, point to plane, from a few hundred samples. Caller's frames. It may
+  /// slide along what no surface holds. Throws as evidence does.
+  [[nodiscard]] RigidTransform fitted(const RigidTransform& T_target_source) const;
+
+  /// Whether two poses bring the source's surfaces within six voxels of one another, root mean square.
+  [[nodiscard]] bool are_alike(const RigidTransform& pose, const RigidTransform& other) const;
 
  private:
   struct Clouds;

@@ -45,9 +45,12 @@ struct CloudRegistration {
 /// Verifies a registration of `matches`, made of these clouds, and lets them decide: `decide` with a `PoseVerifier` of
 /// their voxels, see cloud_verdict.hpp. Of `options` it takes viewpoints and seed. `matches` must have the voxels that
 /// `match_clouds` leaves in it. A registration without a pose and without a refused one stays as it is, and only the
-/// status of the verdict is told. Throws std::invalid_argument on a viewpoint that is not finite, and as `decide`.
+/// status of the verdict is told. A pose that the clouds led to is refined on them, point to plane, which gives its
+/// covariance and the stage "refine". `led_to_before`: CloudVerdict::led_to of another attempt. Throws
+/// std::invalid_argument on a viewpoint that is not finite, and as `decide`.
 CloudVerdict verify_registration(const Cloud& source, const Cloud& target, const CloudMatches& matches,
-                                 const CloudMatchingOptions& options, Registration& registration);
+                                 const CloudMatchingOptions& options, Registration& registration,
+                                 const std::optional<RigidTransform>& led_to_before = std::nullopt);
 
 /// Refines the pose of a registration, caller's frames and unit, on the voxels of its clouds, within its noise bound.
 /// Where that converges the registration gets the refined pose and its covariance; status, inliers and significance
