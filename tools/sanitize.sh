@@ -12,6 +12,8 @@ folder=${2:-}
 [[ $preset == asan || $preset == tsan ]] || fail "sanitize: '$preset' is neither asan nor tsan"
 need build figures
 export CONSIMD_TEST_SECONDS=3600
+# What is built names no folder of libraries. A run with the system's oneTBB would be full of races that are none.
+if [[ $preset == tsan ]]; then export LD_LIBRARY_PATH=$root/build/tsan-tbb/prefix/lib; fi
 if [[ -z $folder ]]; then
   build "$preset"
   run_tests "$preset" --timeout 7200
