@@ -30,26 +30,19 @@ class SurfaceMaps : public ::testing::Test {
   }
   Vector3 place(double reach) { return {uniform(-reach, reach), uniform(-reach, reach), uniform(-reach, reach)}; }
 
-  /// Points all over a box, which reach more cubes than those of surfaces: the table has to grow.
-  CellGrid scattered(std::size_t count) {
-    std::vector<Vector3> points(count);
-    for (Vector3& point : points) point = place(10.0);
-    CellGrid grid(Cloud(PointSpan<double>::interleaved(points.front().data(), count)), 2.0);
-    std::array<std::vector<float>, 3> normals;
-    for (std::size_t i = 0; i < count; ++i) {
-      const Vector3 normal = direction();
-      for (std::size_t c = 0; c < 3; ++c) normals[c].push_back(static_cast<float>(normal[c]));
-    }
-    grid.set_normals({normals[0].data(), normals[1].data(), normals[2].data()});
-    return grid;
+  /// Points all over a box, which reach more cubes than those of surfaces: the table has to grow. Of every other one
+  /// the front is known.
+  std::vector<SurfacePoint> scattered(std::size_t count) {
+    std::vector<SurfacePoint> points(count);
+    for (std::size_t i = 0; i < count; ++i) points[i] = {place(10.0), direction(), i % 2 == 0};
+    return points;
   }
 
   std::mt19937 random_{7};
 };
 
 TEST_F(SurfaceMaps, CubesKnowThePointNearestToTheirCentre) {
-  const CellGrid grid = scattered(3000);
-  const SurfaceMap map(grid, kVoxel);
+  const SurfaceMap map(scattered(3000), kVoxel);
   ASSERT_EQ(map.surfaces().size(), 3000U);
   Vector3 low{1e9, 1e9, 1e9};
   for (const SurfacePoint& surface : map.surfaces()) {
@@ -84,11 +77,53 @@ TEST_F(SurfaceMaps, CubesKnowThePointNearestToTheirCentre) {
   for (const std::size_t count : seen) EXPECT_GT(count, 100U);
 }
 
+// A surface that is seen from one side is none where its back would be seen, unless it was seen along itself, or not
+// from there: as on a cone of the ground under a scanner, out to where it is seen at four degrees, and what is under
+// it.
+TEST_F(SurfaceMaps, FrontsAreNoBacks) {
+  const Vector3 above{0.0, 0.0, 2.0};
+  std::vector<Vector3> points;
+  for (int k = 0; k < 20000; ++k) {
+    const double turn = uniform(0.0, 6.283), range = uniform(0.0, 26.0);
+    points.push_back({range * std::cos(turn), range * std::sin(turn), 0.0});
+  }
+  points.push_back({1.0, 0.0, -8.0});
+  CellGrid grid(Cloud(PointSpan<double>::interleaved(points.front().data(), points.size())), 2.0);
+  std::array<std::vector<float>, 3> normals;
+  for (std::size_t i = 0; i < grid.size(); ++i) {
+    normals[0].push_back(0.0F);
+    normals[1].push_back(0.0F);
+    normals[2].push_back(i % 2 == 0 ? 1.0F : -1.0F);
+  }
+  grid.set_normals({normals[0].data(), normals[1].data(), normals[2].data()});
+  const std::vector<SurfacePoint> seen = surface_points(grid, FreeSpace(grid.cloud(), above, 4.0));
+  const std::vector<SurfacePoint> unseen = surface_points(grid, FreeSpace());
+  ASSERT_EQ(seen.size(), points.size());
+  std::size_t fronts = 0;
+  for (std::size_t i = 0; i < seen.size(); ++i) {
+    const double range = std::hypot(seen[i].point[0], seen[i].point[1]);
+    EXPECT_EQ(seen[i].normal[2], 1.0);
+    const bool is_told = seen[i].point[2] > -1.0 && range < 22.0;
+    EXPECT_TRUE(is_told || range < 23.0 || !seen[i].has_front) << range;
+    EXPECT_TRUE(seen[i].point[2] > -1.0 || !seen[i].has_front);
+    fronts += is_told && seen[i].has_front ? 1U : 0U;
+    EXPECT_EQ(unseen[i].normal[2], i % 2 == 0 ? 1.0 : -1.0);
+    EXPECT_FALSE(unseen[i].has_front);
+  }
+  EXPECT_GT(fronts, points.size() / 2);
+  const SurfacePoint front{above, {0.0, 0.6, 0.8}, true}, back{above, {0.0, -0.6, -0.8}, true};
+  const SurfacePoint either{above, {0.0, -0.6, -0.8}, false};
+  EXPECT_TRUE(of_like_orientation(front, front));
+  EXPECT_FALSE(of_like_orientation(front, back));
+  EXPECT_TRUE(of_like_orientation(front, either));
+  EXPECT_TRUE(of_like_orientation(either, front));
+}
+
 TEST_F(SurfaceMaps, PlacesTogetherAreWhatTheyAreAlone) {
   const SurfaceMap map(scattered(500), kVoxel);
   for (const std::size_t count : {0U, 1U, 63U, 64U, 65U, 320U}) {
     std::vector<SurfacePoint> places(count);
-    for (SurfacePoint& asked : places) asked = {place(12.0), direction()};
+    for (SurfacePoint& asked : places) asked = {place(12.0), direction(), random_() % 2 == 0};
     std::vector<Agreement> found(count, Agreement::other);
     map.agreements(places, found);
     for (std::size_t k = 0; k < count; ++k) EXPECT_EQ(found[k], map.agreement(places[k]));

@@ -27,25 +27,24 @@ std::uint64_t mixed(std::uint64_t key) noexcept {
 }
 
 // The table is entered by the low bits of the hash, the filter by the high ones.
+// Cosine of the angle between a normal and the line of sight from which on the side that was seen is known: surfaces
+// that are seen at less than some 5 degrees have normals that are further off.
+constexpr double kLeastSight = 0.09;
+
 std::uint64_t filter_bit(std::uint64_t hash, std::size_t words) noexcept { return (hash >> 32) & (64 * words - 1); }
 
 }  // namespace
 
-SurfaceMap::SurfaceMap(const CellGrid& surfaces, double voxel, double sides)
-    : per_side_(1.0 / (sides * voxel)), side_(sides * voxel) {
-  const Cloud& cloud = surfaces.cloud();
-  const CloudView view = cloud.view();
+SurfaceMap::SurfaceMap(std::vector<SurfacePoint> points, double voxel, double sides)
+    : per_side_(1.0 / (sides * voxel)), side_(sides * voxel), points_(std::move(points)) {
   Vector3 high;
   low_.fill(std::numeric_limits<double>::infinity());
   high.fill(-std::numeric_limits<double>::infinity());
-  for (std::size_t i = 0; i < view.size() && view.has_normals(); ++i) {
-    SurfacePoint p{cloud.point(i), {view.normals(0)[i], view.normals(1)[i], view.normals(2)[i]}};
-    if (!std::isfinite(p.normal[0])) continue;
+  for (const SurfacePoint& p : points_) {
     for (std::size_t c = 0; c < 3; ++c) {
       low_[c] = std::min(low_[c], p.point[c]);
       high[c] = std::max(high[c], p.point[c]);
     }
-    points_.push_back(p);
   }
   if (points_.empty()) return;
   for (std::size_t c = 0; c < 3; ++c) {
@@ -350,6 +349,33 @@ std::uint32_t FreeSpace::count_seen_through(std::span<const SurfacePoint> places
     }
   }
   return count;
+}
+
+bool FreeSpace::sees(const Vector3& point) const noexcept {
+  if (edge_ == 0) return false;
+  const Direction seen = direction(point);
+  const double reach = static_cast<double>(range_[seen.cell]) + margin_;
+  return seen.squared_range <= reach * reach;
+}
+
+std::vector<SurfacePoint> surface_points(const CellGrid& surfaces, const FreeSpace& space) {
+  const Cloud& cloud = surfaces.cloud();
+  const CloudView view = cloud.view();
+  const std::optional<Vector3> viewpoint = space.viewpoint();
+  std::vector<SurfacePoint> points;
+  for (std::size_t i = 0; i < view.size() && view.has_normals(); ++i) {
+    SurfacePoint p{cloud.point(i), {view.normals(0)[i], view.normals(1)[i], view.normals(2)[i]}};
+    if (!std::isfinite(p.normal[0])) continue;
+    if (viewpoint) {
+      const double cosine = vector(p.normal).dot((vector(*viewpoint) - vector(p.point)).normalized());
+      if (cosine < 0.0) {
+        for (double& x : p.normal) x = -x;
+      }
+      p.has_front = std::abs(cosine) >= kLeastSight && space.sees(p.point);
+    }
+    points.push_back(p);
+  }
+  return points;
 }
 
 }  // namespace consimd::features::detail

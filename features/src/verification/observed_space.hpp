@@ -28,13 +28,15 @@ using Vector3 = std::array<double, 3>;
 struct SurfacePoint {
   Vector3 point{};
   Vector3 normal{};
+  bool has_front = false;  ///< the normal points to the side that was seen
 };
 
-/// Whether they face one way, either side, but for 45 degrees: normals of thinned out clouds are some 10 to 20 degrees
-/// off at edges.
+/// Whether they face one way but for 45 degrees: normals of thinned out clouds are some 10 to 20 degrees off at edges.
+/// Either side where not both are known to show their front.
 [[nodiscard]] inline bool of_like_orientation(const SurfacePoint& a, const SurfacePoint& b) noexcept {
   constexpr double kCosine = 0.7071067811865476;
-  return std::abs(dot(a.normal, b.normal)) >= kCosine;
+  const double cosine = dot(a.normal, b.normal);
+  return (a.has_front && b.has_front ? cosine : std::abs(cosine)) >= kCosine;
 }
 
 /// What is near a place.
@@ -47,11 +49,11 @@ enum class Agreement : std::uint8_t {
 /// The surfaces of a cloud in a hash table of cubes: each cube knows the surface point nearest to its centre.
 class SurfaceMap {
  public:
-  /// Takes the points with a normal. voxel: what they were thinned out to, caller's unit; sides: of a cube, in voxels.
-  /// Throws std::invalid_argument where they are more than 2^20 voxels apart.
-  SurfaceMap(const CellGrid& surfaces, double voxel, double sides = 1.0);
+  /// voxel: what the points were thinned out to, caller's unit; sides: of a cube, in voxels. Throws
+  /// std::invalid_argument where they are more than 2^20 voxels apart.
+  SurfaceMap(std::vector<SurfacePoint> points, double voxel, double sides = 1.0);
 
-  /// The points with a normal.
+  /// The points, as they were given.
   [[nodiscard]] std::span<const SurfacePoint> surfaces() const noexcept { return points_; }
   [[nodiscard]] Agreement agreement(const SurfacePoint& place) const noexcept;
   /// Tells the same of many places, faster, since their waits for memory overlap. found: as many as places.
@@ -114,6 +116,13 @@ class FreeSpace {
   /// there, where much of it lies behind the rest, nothing is known.
   FreeSpace(const Cloud& scan, const Vector3& viewpoint, double margin);
 
+  /// Where the scan was taken from; nothing where nothing is known.
+  [[nodiscard]] std::optional<Vector3> viewpoint() const noexcept {
+    return edge_ > 0 ? std::optional(viewpoint_) : std::nullopt;
+  }
+  /// Whether a point of the scan lies behind others of it by no more than the margin.
+  [[nodiscard]] bool sees(const Vector3& point) const noexcept;
+
   /// How many of the places the scan saw through: only what is farther away in their directions and those next to them.
   [[nodiscard]] std::uint32_t count_seen_through(std::span<const SurfacePoint> places) const noexcept;
 
@@ -133,5 +142,9 @@ class FreeSpace {
   std::size_t edge_ = 0;      // cells along an edge of a face; 0: nothing is known
   std::vector<float> range_;  // of the nearest point in a cell and those next to it; 0 where a cell is empty
 };
+
+/// The points of a cloud that have a normal. Where it is known what was seen from where, the normals are turned to the
+/// viewpoint; a point has a front if it was seen from there, and not along the surface.
+[[nodiscard]] std::vector<SurfacePoint> surface_points(const CellGrid& surfaces, const FreeSpace& space);
 
 }  // namespace consimd::features::detail

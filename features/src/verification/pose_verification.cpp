@@ -59,18 +59,9 @@ constexpr std::size_t kBestDisplaced = 2;
 // one none; of 288 pairs of repeating scenes 2 more stayed a success.
 constexpr double kClose = 0.5;
 
-std::vector<SurfacePoint> samples_of(const CellGrid& surfaces, std::uint64_t seed) {
-  const Cloud& cloud = surfaces.cloud();
-  const CloudView view = cloud.view();
-  std::vector<std::uint32_t> rows;
-  for (std::uint32_t i = 0; i < view.size() && view.has_normals(); ++i) {
-    if (std::isfinite(view.normals(0)[i])) rows.push_back(i);
-  }
+std::vector<SurfacePoint> samples_of(std::span<const SurfacePoint> surfaces, std::uint64_t seed) {
   std::vector<SurfacePoint> samples;
-  for (const std::uint32_t k : random_subset(rows.size(), kSamples, seed)) {
-    const std::uint32_t i = rows[k];
-    samples.push_back({cloud.point(i), {view.normals(0)[i], view.normals(1)[i], view.normals(2)[i]}});
-  }
+  for (const std::uint32_t k : random_subset(surfaces.size(), kSamples, seed)) samples.push_back(surfaces[k]);
   return samples;
 }
 
@@ -81,10 +72,13 @@ struct Side {
   std::vector<SurfacePoint> samples;
 };
 
-Side side_of(const VerifiedCloud& cloud, double voxel, std::uint64_t seed) {
-  return {detail::SurfaceMap(cloud.surfaces, voxel),
-          cloud.viewpoint ? detail::FreeSpace(cloud.scan, *cloud.viewpoint, kMargin * voxel) : detail::FreeSpace(),
-          samples_of(cloud.surfaces, seed)};
+detail::FreeSpace space_of(const VerifiedCloud& cloud, double voxel) {
+  return cloud.viewpoint ? detail::FreeSpace(cloud.scan, *cloud.viewpoint, kMargin * voxel) : detail::FreeSpace();
+}
+
+Side side_of(std::vector<SurfacePoint> surfaces, detail::FreeSpace space, double voxel, std::uint64_t seed) {
+  std::vector<SurfacePoint> samples = samples_of(surfaces, seed);
+  return {detail::SurfaceMap(std::move(surfaces), voxel), std::move(space), std::move(samples)};
 }
 
 /// What the samples of a cloud, kSamples at most, tell of one pose: sets `agrees` of each, and returns how many are
@@ -298,11 +292,16 @@ PoseVerifier::PoseVerifier(const VerifiedCloud& source, const VerifiedCloud& tar
       throw std::invalid_argument(std::string("the viewpoint of the ") + name + " is not finite");
     }
   }
+  detail::FreeSpace source_space, target_space;
+  tbb::parallel_invoke([&] { source_space = space_of(source, voxel); },
+                       [&] { target_space = space_of(target, voxel); });
   std::optional<Side> of_source, of_target;
   std::optional<detail::SurfaceMap> coarse;
-  tbb::parallel_invoke([&] { of_source = side_of(source, voxel, seed); },
-                       [&] { of_target = side_of(target, voxel, seed); },
-                       [&] { coarse.emplace(target.surfaces, voxel, detail::RivalSearch::kCoarse); });
+  const std::vector<SurfacePoint> source_surfaces = detail::surface_points(source.surfaces, source_space);
+  const std::vector<SurfacePoint> target_surfaces = detail::surface_points(target.surfaces, target_space);
+  tbb::parallel_invoke([&] { of_source = side_of(source_surfaces, std::move(source_space), voxel, seed); },
+                       [&] { of_target = side_of(target_surfaces, std::move(target_space), voxel, seed); },
+                       [&] { coarse.emplace(target_surfaces, voxel, detail::RivalSearch::kCoarse); });
   detail::SurfaceLayout layout = detail::layout_of(of_target->surfaces.surfaces(), of_target->samples, seed);
   clouds_ = std::make_unique<Clouds>(
       Clouds{std::move(*of_source), std::move(*of_target), std::move(*coarse), std::move(layout), voxel, seed});

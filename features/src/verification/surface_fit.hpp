@@ -22,7 +22,7 @@ struct ScaledPose {
   const RigidTransform& rigid = pose.T_target_source;
   const Eigen::Vector3d point = rigid.linear() * (pose.scale * vector(surface.point)) + rigid.translation();
   const Eigen::Vector3d normal = rigid.linear() * vector(surface.normal);
-  return {{point.x(), point.y(), point.z()}, {normal.x(), normal.y(), normal.z()}};
+  return {{point.x(), point.y(), point.z()}, {normal.x(), normal.y(), normal.z()}, surface.has_front};
 }
 
 /// What a fit may change.
