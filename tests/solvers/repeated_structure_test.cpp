@@ -62,7 +62,7 @@ TEST(ShiftedMotion, IsAnotherWindow) {
   const Correspondences correspondences = problem.correspondences();
   detail::BestPoses poses(correspondences, kBound);
   poses.promote(detail::scored(correspondences, problem.decoy_T_target_source, kBound));
-  const detail::ShiftedMotions shifts = detail::shifted_motions(correspondences, poses, kBound);
+  const detail::RepeatedMotions shifts = detail::shifted_motions(correspondences, poses, kBound);
   // A shift by one column joins 7/8 of the windows, each with one in 32 of its matches: 82 of them.
   EXPECT_GT(shifts.best.support.count, 40U);
   EXPECT_LT(shifts.best.support.count, 200U);
@@ -74,18 +74,18 @@ TEST(ShiftedMotion, HasNoSupportWithoutThreeRowsThatAgree) {
   const Correspondences correspondences = problem.correspondences();
   detail::BestPoses poses(correspondences, kBound);
   poses.promote(detail::scored(correspondences, problem.T_target_source, kBound));
-  const detail::ShiftedMotions shifts = detail::shifted_motions(correspondences, poses, kBound);
+  const detail::RepeatedMotions shifts = detail::shifted_motions(correspondences, poses, kBound);
   EXPECT_LT(shifts.best.support.count, 3U);
   EXPECT_TRUE(shifts.independent.empty());
 }
 
-TEST(ShiftedMotions, AreMoreThanChanceWhereWindowsAreInTwoRowsEach) {
+TEST(RepeatedMotions, AreMoreThanChanceWhereWindowsAreInTwoRowsEach) {
   // 512 corners and 1000 rows: no place of the target has enough rows for lookalikes to tell.
   const Problem problem = facade(1000, 1.0, 16);
   const Correspondences correspondences = problem.correspondences();
   detail::BestPoses poses(correspondences, kBound);
   poses.promote(detail::scored(correspondences, problem.decoy_T_target_source, kBound));
-  const detail::ShiftedMotions shifts = detail::shifted_motions(correspondences, poses, kBound);
+  const detail::RepeatedMotions shifts = detail::shifted_motions(correspondences, poses, kBound);
   ASSERT_GE(shifts.independent.size(), 8U);
   EXPECT_TRUE(std::ranges::is_sorted(shifts.independent, std::ranges::greater{}));
   // A source is paired at random with one of 128 windows and four corners.

@@ -38,8 +38,8 @@ class Coherence {
 
   CorrespondenceView view_;
   double noise_bound_;
-  std::vector<std::uint32_t> rows_;  // that were looked at
-  std::vector<Pair> pairs_;          // of these and others, row by row
+  std::vector<std::uint32_t> rows_;         // that were looked at
+  std::vector<Pair> pairs_;                 // of these and others, row by row
   std::array<double, kSteps> by_chance_{};  // share of pairs whose targets are about as far apart as the step is
 };
 

@@ -17,6 +17,7 @@
 #include "verdict/mirror_image.hpp"
 #include "verdict/pose_checks.hpp"
 #include "verdict/shifted_motion.hpp"
+#include "verdict/turned_motion.hpp"
 
 namespace consimd::detail {
 namespace {
@@ -70,37 +71,45 @@ double lead(const Correspondences& correspondences, const PoseTest& test, const 
   return of_best - std::min(0.0, test.log10_false_poses(correspondences, other));
 }
 
-// log10 of the chance that a shift of the best pose is supported as well as it by repeated structure: where windows
-// repeat every pose on them has some support, and only what stands out against that tells of a motion. Asked where a
-// shift has half of the support of the best pose and more than chance and strata give; and where shifts are many that
-// have more than random pairing gives them, as windows in two rows each make them, which no stratum sees. These are
-// held against the pose by their median: the best ones about a true pose share some of its support.
-double lead_over_shift(const Correspondences& correspondences, const PoseTest& test, const BestPoses& poses) {
+// log10 of the chance that another motion, of those that repeat the best pose, is supported as well as it: where
+// windows repeat every pose on them has some support, as every turn about a sensor has on its rings, and only what
+// stands out against that tells of a motion. Asked where the best of them is significant itself; and where they are
+// many that have more than random pairing gives them, as windows in two rows each make them, which no stratum sees.
+// These are held against the pose by their median: the best ones about a true pose share some of its support.
+double lead_over(const RepeatedMotions& others, const Correspondences& correspondences, const PoseTest& test,
+                 const BestPoses& poses) {
   constexpr double kNone = -std::numeric_limits<double>::infinity();
   const CorrespondenceView view = correspondences.view();
   const auto size = static_cast<double>(view.size());
-  const ShiftedMotions shifts = shifted_motions(correspondences, poses, test.noise_bound);
-  const PoseCandidate& shifted = shifts.best;
-  const auto needed = kRepeatedShare * static_cast<double>(poses.best().support.count);
-  if (shifted.support.count < 3 || static_cast<double>(shifted.support.count) < needed ||
-      poses.same_motion_as_best(shifted.pose)) {
-    return kNone;
-  }
-  // Asked last: a glance may have told the pose, and a close look takes longer than all shifts.
-  if (test.log10_false_poses(correspondences, poses.best().pose) < kRepeatable) return kNone;
   double reached = 0.0;
-  if (test.log10_false_poses(correspondences, shifted.pose) < 0.0) {
-    reached = independent_support(view, shifted.pose, test.noise_bound);
+  if (test.log10_false_poses(correspondences, others.best.pose) < 0.0) {
+    reached = independent_support(view, others.best.pose, test.noise_bound);
   } else {
-    const MatchedPoints matched(view, shifted.pose, test.noise_bound);
+    const MatchedPoints matched(view, others.best.pose, test.noise_bound);
     const std::array bounds{test.noise_bound};
     const double chance =
-        pose_chances(view, shifted.pose, bounds, kShiftPairings, RareHits::extrapolated, matched).front();
-    if (log_chance_of_shifts(size, shifts.independent, chance) >= elementary::log(kChanceShifts)) return kNone;
-    reached = shifts.independent[std::min(shifts.independent.size(), kBestShifts) / 2];
+        pose_chances(view, others.best.pose, bounds, kShiftPairings, RareHits::extrapolated, matched).front();
+    if (log_chance_of_shifts(size, others.independent, chance) >= elementary::log(kChanceShifts)) return kNone;
+    reached = others.independent[std::min(others.independent.size(), kBestShifts) / 2];
   }
   const double supporters = independent_support(view, poses.best().pose, test.noise_bound);
   return log_binomial_tail(size, supporters, reached / size) / std::numbers::ln10;
+}
+
+// The same of shifts, one of which has half of the support of the best pose, and of turns about the viewpoint.
+double lead_over_repetitions(const Correspondences& correspondences, const PoseTest& test, const BestPoses& poses) {
+  double lead = -std::numeric_limits<double>::infinity();
+  const RepeatedMotions shifts = shifted_motions(correspondences, poses, test.noise_bound);
+  const auto needed = kRepeatedShare * static_cast<double>(poses.best().support.count);
+  const bool repeats = shifts.best.support.count >= 3 && static_cast<double>(shifts.best.support.count) >= needed &&
+                       !poses.same_motion_as_best(shifts.best.pose);
+  // Asked late: a glance may have told the pose, and a close look takes longer than all shifts.
+  if (repeats && test.log10_false_poses(correspondences, poses.best().pose) >= kRepeatable) {
+    lead = lead_over(shifts, correspondences, test, poses);
+  }
+  if (lead >= kSignificant || test.log10_false_poses(correspondences, poses.best().pose) < kRepeatable) return lead;
+  const RepeatedMotions turns = turned_motions(correspondences, poses, test.noise_bound);
+  return turns.independent.empty() ? lead : std::max(lead, lead_over(turns, correspondences, test, poses));
 }
 
 RunnerUp refused_pose(const Correspondences& correspondences, const FinalPose& final, const Registration& result) {
@@ -238,7 +247,8 @@ void conclude(const Correspondences& correspondences, const PoseTest& test, cons
       if (!ambiguous) result.log10_false_poses = std::max(result.log10_false_poses, ahead);
     }
     if (!ambiguous && final.log10_false_poses > kRepeatable) {
-      result.log10_false_poses = std::max(result.log10_false_poses, lead_over_shift(correspondences, test, poses));
+      result.log10_false_poses =
+          std::max(result.log10_false_poses, lead_over_repetitions(correspondences, test, poses));
     }
     if (result.log10_false_poses >= kSignificant) {
       result.status = Status::no_consensus;

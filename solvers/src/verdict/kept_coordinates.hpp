@@ -54,6 +54,9 @@ class SourceCoordinates {
   /// Those of a point in the working frame, in its unit.
   [[nodiscard]] std::array<float, kCoordinates> operator()(const Point& point) const;
 
+  /// Of the sources, in the working frame.
+  [[nodiscard]] const Eigen::Vector3d& viewpoint() const { return viewpoint_; }
+
   /// The direction that `least`, `middle` or `greatest` is the position along.
   [[nodiscard]] Eigen::Vector3f axis(Coordinate c) const {
     return principal_.row(static_cast<Eigen::Index>(index_of(c))).cast<float>();

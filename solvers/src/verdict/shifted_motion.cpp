@@ -87,12 +87,12 @@ WorkingPose shifted_by(WorkingPose pose, const Point& shift) {
 
 }  // namespace
 
-ShiftedMotions shifted_motions(const Correspondences& correspondences, const BestPoses& poses, double noise_bound) {
+RepeatedMotions shifted_motions(const Correspondences& correspondences, const BestPoses& poses, double noise_bound) {
   const CorrespondenceView view = correspondences.view();
   const double bound = noise_bound * view.scale();
   const std::vector<Rest> all = rests(view, poses, bound);
   const auto limit = static_cast<float>(bound * bound);
-  ShiftedMotions result;
+  RepeatedMotions result;
   std::vector<Point> shifts;
   std::vector<Rest> about;
   for (const Run& run : fullest_cells(all)) {

@@ -11,15 +11,16 @@
 
 namespace consimd::detail {
 
-/// Poses with the rotation of the best one that rows agree on which it misses by more than kNearMisses bounds: matches
-/// of a window with any other support many shifts of a facade alike.
-struct ShiftedMotions {
+/// Other motions that repeat a pose.
+struct RepeatedMotions {
   PoseCandidate best;               ///< that of most support, brought into place; without support where there is none
   std::vector<double> independent;  ///< supporters of the best ones that count, most first
 };
 
-/// Finds those that most rows agree on. noise_bound: caller's unit.
-ShiftedMotions shifted_motions(const Correspondences& correspondences, const BestPoses& poses, double noise_bound);
+/// Poses with the rotation of the best one that rows agree on which it misses by more than kNearMisses bounds: matches
+/// of a window with any other support many shifts of a facade alike. Finds those that most rows agree on. noise_bound:
+/// caller's unit.
+RepeatedMotions shifted_motions(const Correspondences& correspondences, const BestPoses& poses, double noise_bound);
 
 /// ln of the chance that so many shifts are supported as well as these, where a shift takes a source to the target of
 /// any other of `size` rows with a chance of `chance`.

@@ -1,0 +1,91 @@
+#include "verdict/turned_motion.hpp"
+
+#include <oneapi/tbb/parallel_for.h>
+
+#include <algorithm>
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <numbers>
+#include <vector>
+
+#include <Eigen/Geometry>
+
+#include <consimd/kernels/elementary_functions.hpp>
+#include <consimd/poses/rigid_fit.hpp>
+
+#include "support/points.hpp"
+#include "verdict/false_poses.hpp"
+#include "verdict/kept_coordinates.hpp"
+
+namespace consimd::detail {
+namespace {
+
+// Turns of a full one, and the best of them that are kept: of a ring at ten metres two of them are a metre apart.
+constexpr std::size_t kTurns = 64;
+constexpr std::size_t kMostKept = 16;
+// Motions that move a supporter no further apart than so many noise bounds, root mean square, are one.
+constexpr double kSameMotion = 2.0;
+
+struct Turned {
+  PoseCandidate found;
+  std::vector<std::uint32_t> supporters;
+  double independent = 0.0;
+};
+
+WorkingPose turned_by(const WorkingPose& pose, const Eigen::Vector3d& centre, const Eigen::Vector3d& axis,
+                      double angle) {
+  const auto [sine, cosine] = elementary::sine_cosine(angle);
+  Eigen::Matrix3d cross;
+  cross << 0.0, -axis.z(), axis.y(), axis.z(), 0.0, -axis.x(), -axis.y(), axis.x(), 0.0;
+  RigidTransform turn = RigidTransform::Identity();
+  turn.linear() += sine * cross + (1.0 - cosine) * cross * cross;
+  turn.translation() = centre - turn.linear() * centre;
+  return to_working_pose(from_working_pose(pose) * turn);
+}
+
+bool is_same_motion(const CorrespondenceView& view, const Turned& one, const WorkingPose& other, double noise_bound) {
+  double sum = 0.0;
+  for (const std::uint32_t row : one.supporters) {
+    const Point p = source_point(view, row);
+    sum += static_cast<double>(squared_distance(moved(one.found.pose, p), moved(other, p)));
+  }
+  const double limit = kSameMotion * noise_bound * view.scale();
+  return sum < limit * limit * static_cast<double>(one.supporters.size());
+}
+
+}  // namespace
+
+RepeatedMotions turned_motions(const Correspondences& correspondences, const BestPoses& poses, double noise_bound) {
+  const CorrespondenceView view = correspondences.view();
+  const SourceCoordinates coordinates(correspondences, 1);
+  const Eigen::Vector3d axis = coordinates.axis(Coordinate::least).cast<double>();
+  std::array<Turned, kTurns> turned;
+  // The first is the pose itself.
+  tbb::parallel_for(std::size_t{1}, kTurns, [&](std::size_t k) {
+    const double angle = 2.0 * std::numbers::pi * static_cast<double>(k) / static_cast<double>(kTurns);
+    const WorkingPose start = turned_by(poses.best().pose, coordinates.viewpoint(), axis, angle);
+    const PoseCandidate found = widely_optimise(correspondences, scored(view, start, noise_bound), noise_bound);
+    if (found.support.count < 3 || poses.same_motion_as_best(found.pose)) return;
+    std::vector<std::uint32_t> rows = pose_inliers(view, found.pose, noise_bound);
+    const auto shared = std::ranges::count_if(rows, [&](std::uint32_t row) { return poses.best_explains(row); });
+    if (2 * static_cast<std::size_t>(shared) > rows.size()) return;
+    turned[k] = {found, std::move(rows), independent_support(view, found.pose, noise_bound)};
+  });
+  std::ranges::stable_sort(turned, std::ranges::greater{}, &Turned::independent);
+  RepeatedMotions result;
+  std::vector<const Turned*> kept;
+  for (const Turned& one : turned) {
+    if (one.independent < 3.0 || kept.size() == kMostKept) break;
+    const bool is_known = std::ranges::any_of(
+        kept, [&](const Turned* former) { return is_same_motion(view, one, former->found.pose, noise_bound); });
+    if (is_known) continue;
+    kept.push_back(&one);
+    result.independent.push_back(one.independent);
+    if (one.found.support.score > result.best.support.score) result.best = one.found;
+  }
+  return result;
+}
+
+}  // namespace consimd::detail
