@@ -276,7 +276,7 @@ TEST_F(CloudVerdict, WhatTwoAttemptsLeadToNeedsLess) {
     EXPECT_FALSE(result.has_pose());
     EXPECT_LT((verdict.led_to->matrix() - right.matrix()).norm(), 0.3);
     EXPECT_FALSE(decided(between_scans(9.0, 0.2, 0.0, 0.0)).second.has_pose());
-    const auto [again, believed] = decided(*verdict.led_to);
+    const auto [again, believed] = decided(verdict.led_to);
     EXPECT_TRUE(again.found_by_clouds);
     EXPECT_EQ(believed.T_target_source.matrix(), verdict.led_to->matrix());
   }
