@@ -12,14 +12,14 @@ folder=${2:-}
 [[ $preset == asan || $preset == tsan ]] || fail "sanitize: '$preset' is neither asan nor tsan"
 need build figures
 export CONSIMD_TEST_SECONDS=3600
-# What is built names no folder of libraries. A run with the system's oneTBB would be full of races that are none.
-if [[ $preset == tsan ]]; then export LD_LIBRARY_PATH=$root/build/tsan-tbb/prefix/lib; fi
 if [[ -z $folder ]]; then
   build "$preset"
   run_tests "$preset" --timeout 7200
 else
   build "$preset" "tests/$folder/all"
   find_test_data
+  # What is built names no folder of libraries. Tests with the system's oneTBB would report races that are none.
+  if [[ $preset == tsan ]]; then export LD_LIBRARY_PATH=$root/build/tsan-tbb/prefix/lib; fi
   ctest --test-dir "$root/build/$preset/tests/$folder" --output-on-failure --no-tests=error --timeout 7200 --parallel "$(nproc)" \
     "${@:3}"
 fi

@@ -154,6 +154,12 @@ TEST_F(SurfaceMaps, WhatLiesBeforeTheSurfacesIsSeenThrough) {
     EXPECT_EQ(space.count_seen_through(std::span(places).first(count)), counts[count]);
   }
   EXPECT_EQ(FreeSpace().count_seen_through(places), 0U);
+  // From so far away all are at one range.
+  const FreeSpace far(Cloud(PointSpan<double>::interleaved(sphere.front().data(), sphere.size())), {1e30, 0.0, 0.0},
+                      1.0);
+  EXPECT_FALSE(far.viewpoint());
+  EXPECT_FALSE(far.sees(places.front().point));
+  EXPECT_EQ(far.count_seen_through(places), 0U);
 }
 
 }  // namespace

@@ -148,14 +148,15 @@ TEST(PoseVerification, RefusesBadInput) {
   EXPECT_THROW(static_cast<void>(evidence(seen, seen, pose)), std::invalid_argument);
 }
 
-/// Rows that the true pose takes to one another, and some that nothing does.
-Correspondences rows_of(const Points& source, const RigidTransform& pose) {
+/// Rows that the true pose takes to one another, and some that nothing does; or `few` of the former alone.
+Correspondences rows_of(const Points& source, const RigidTransform& pose, std::size_t few = 0) {
   std::vector<std::array<double, 3>> from, to;
   std::mt19937 random(3);
+  const auto is_right = [few](std::size_t row) { return few == 0 ? row % 3 != 0 : row % 30 == 1 && row / 30 < few; };
   for (std::size_t k = 0; k < source.size(); k += 200) {
     from.push_back(source[k]);
     Eigen::Vector3d q = pose * Eigen::Map<const Eigen::Vector3d>(source[k].data());
-    for (int c = 0; c < 3; ++c) q[c] += (from.size() % 3 == 0 ? 20.0 : 0.05) * uniform(random);
+    for (int c = 0; c < 3; ++c) q[c] += (is_right(from.size()) ? 0.05 : 20.0) * uniform(random);
     to.push_back({q.x(), q.y(), q.z()});
   }
   return Correspondences(PointSpan<double>::interleaved(from.front().data(), from.size()),
@@ -268,7 +269,9 @@ TEST_F(CloudVerdict, WhatTwoAttemptsLeadToNeedsLess) {
       Registration result;
       result.noise_bound = 0.2;
       result.refused = RunnerUp{right, 4, 2.0};
-      return std::pair(features::decide(verifier, rows_of(points, right), result, led_to_before), result);
+      const features::CloudVerdict verdict =
+          features::decide(verifier, rows_of(points, right, 3), result, led_to_before);
+      return std::pair(verdict, result);
     };
     const auto [verdict, result] = decided(std::nullopt);
     if (!verdict.led_to) continue;

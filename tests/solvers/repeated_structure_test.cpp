@@ -89,17 +89,21 @@ TEST(RepeatedMotions, AreMoreThanChanceWhereWindowsAreInTwoRowsEach) {
   ASSERT_GE(shifts.independent.size(), 8U);
   EXPECT_TRUE(std::ranges::is_sorted(shifts.independent, std::ranges::greater{}));
   // A source is paired at random with one of 128 windows and four corners.
-  EXPECT_LT(detail::log_chance_of_shifts(1000.0, shifts.independent, 1.0 / 512), std::log(1e-3));
+  EXPECT_LT(detail::log_chance_of(shifts, 1000.0, 1.0 / 512), std::log(1e-3));
 }
 
 TEST(ChanceOfShifts, IsThatOfCounts) {
   // Ten of 1000 rows that a shift takes to others with a chance of one in a thousand: each row tells such a shift with
   // a chance of 10^-6, and ten tell the same one.
-  const double ten = detail::log_chance_of_shifts(1000.0, {10.0}, 1e-3);
+  const double ten = detail::log_chance_of({{}, {10.0}}, 1000.0, 1e-3);
   EXPECT_NEAR(ten / std::log(10.0), std::log10(1000.0 / 10.0 * 1.1e-6), 0.3);
-  EXPECT_LT(detail::log_chance_of_shifts(1000.0, {10.0, 10.0}, 1e-3), 1.5 * ten);
-  EXPECT_EQ(detail::log_chance_of_shifts(1000.0, {1.0, 1.0}, 1e-3), 0.0);
-  EXPECT_EQ(detail::log_chance_of_shifts(1000.0, {}, 1e-3), 0.0);
+  EXPECT_LT(detail::log_chance_of({{}, {10.0, 10.0}}, 1000.0, 1e-3), 1.5 * ten);
+  EXPECT_EQ(detail::log_chance_of({{}, {1.0, 1.0}}, 1000.0, 1e-3), 0.0);
+  EXPECT_EQ(detail::log_chance_of({}, 1000.0, 1e-3), 0.0);
+  // The more motions were looked at, the less it tells.
+  const double of_few = detail::log_chance_of({{}, {10.0}, 100.0}, 1000.0, 1e-3);
+  EXPECT_LT(of_few, -10.0);
+  EXPECT_NEAR(detail::log_chance_of({{}, {10.0}, 1000.0}, 1000.0, 1e-3), of_few + std::log(10.0), 0.1);
 }
 
 TEST(FitGain, IsThatOfLeastSquares) {

@@ -77,7 +77,7 @@ CloudRegistration verified(const Cloud& source, const Cloud& target, const Cloud
     CloudRegistrationOptions another = options;
     another.matching.voxel = voxel;
     CloudRegistration found = attempt(source, target, another, led_to);
-    if (!led_to) led_to = found.verdict->led_to;
+    if (found.verdict->led_to) led_to = found.verdict->led_to;
     if (found.verdict->log10_of_both <= best.verdict->log10_of_both) best = std::move(found);
     best.attempts = ++attempts;
     needed = 0.0;

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstdint>
 #include <span>
+#include <stdexcept>
 #include <utility>
 #include <vector>
 
@@ -82,11 +83,14 @@ std::vector<std::uint32_t> supporters(const Correspondences& correspondences, co
   return rows;
 }
 
+WorkingPose working_pose(const RigidTransform& T_target_source, const Correspondences& correspondences) {
+  return to_working_pose(to_working_frame(T_target_source, correspondences));
+}
+
 /// The pose, or its rival, as the registration's result, refined on the correspondences.
 void take(const RunnerUp& found, const Correspondences& correspondences, Registration& registration) {
   const RefinedPose refined =
-      refine_pose(correspondences, to_working_pose(to_working_frame(found.T_target_source, correspondences)),
-                  {registration.noise_bound});
+      refine_pose(correspondences, working_pose(found.T_target_source, correspondences), {registration.noise_bound});
   registration.status = Status::success;
   registration.T_target_source = to_caller_frame(refined.fit.pose, correspondences);
   registration.covariance = refined.covariance;
@@ -94,10 +98,10 @@ void take(const RunnerUp& found, const Correspondences& correspondences, Registr
   registration.inliers = supporters(correspondences, to_working_pose(refined.fit.pose), registration.noise_bound);
 }
 
-/// A rival that the clouds gave, as the correspondences see it.
-RunnerUp runner_up_of(const RivalPose& rival, const Correspondences& correspondences, double noise_bound) {
-  const WorkingPose pose = to_working_pose(to_working_frame(rival.T_target_source, correspondences));
-  return {rival.T_target_source, supporters(correspondences, pose, noise_bound).size(),
+/// A pose that the clouds gave, as the correspondences see it.
+RunnerUp seen_by(const Correspondences& correspondences, const RigidTransform& T_target_source, double noise_bound) {
+  const WorkingPose pose = working_pose(T_target_source, correspondences);
+  return {T_target_source, supporters(correspondences, pose, noise_bound).size(),
           significance(correspondences, pose, noise_bound).log10_false_poses, 1.0};
 }
 
@@ -119,17 +123,15 @@ struct Followed {
 };
 
 /// From a pose, brought onto the surfaces near it, to its better rival, and from that to its own, until there is none.
-Followed follow(const PoseVerifier& verifier, const Correspondences& correspondences, const RunnerUp& start,
+Followed follow(const PoseVerifier& verifier, const Correspondences& correspondences, const RigidTransform& start,
                 double noise_bound) {
-  Followed followed{start, {}};
-  followed.found.T_target_source = verifier.fitted(start.T_target_source);
-  followed.evidence = verifier.evidence(followed.found.T_target_source);
-  for (int k = 0; k < kMostFollowed; ++k) {
-    const std::optional<RivalPose> rival = followed.evidence.rival;
-    if (!rival || rival->share_of_score <= 1.0) break;
-    followed = {runner_up_of(*rival, correspondences, noise_bound), verifier.evidence(rival->T_target_source), true};
+  RigidTransform pose = verifier.fitted(start);
+  PoseEvidence evidence = verifier.evidence(pose);
+  for (int k = 0; k < kMostFollowed && evidence.rival && evidence.rival->share_of_score > 1.0; ++k) {
+    pose = evidence.rival->T_target_source;
+    evidence = verifier.evidence(pose);
   }
-  return followed;
+  return {seen_by(correspondences, pose, noise_bound), evidence, !verifier.are_alike(start, pose)};
 }
 
 /// What the clouds alone ask of a pose: log10 of its chance, and the share of its score that no other pose reaches.
@@ -145,8 +147,10 @@ constexpr AskedAlone kOnce{-4.0, 0.5};
 // two at one pair.
 constexpr AskedAlone kTwice{-3.0, 0.6};
 
-/// Whether the clouds alone bear a pose out, whatever the correspondences say: it is rarer than with them, all other
-/// poses have far less of its score, and it is seen through nowhere, where displaced poses are.
+/// Whether the clouds alone bear a pose out, whatever the correspondences say: it is rarer than a pose has to be that
+/// these bear out as well, the best of other poses has far less of its score, and it is seen through nowhere, where
+/// displaced poses are. A pose without any rival has too little score for it, or the clouds are all but the same, which
+/// correspondences tell.
 bool is_borne_out_alone(const PoseEvidence& evidence, const AskedAlone& asked) {
   const double of_displaced = displaced_share_seen_through(evidence);
   return evidence.rival && evidence.rival->share_of_score < asked.share_of_score && !agrees_better_scaled(evidence) &&
@@ -189,7 +193,7 @@ void choose(const PoseVerifier& verifier, const Correspondences& correspondences
   }
   if (registration.status == Status::success && has_equal_rival(*verdict.pose)) {
     const RivalPose& rival = *verdict.pose->rival;
-    const RunnerUp runner_up = runner_up_of(rival, correspondences, registration.noise_bound);
+    const RunnerUp runner_up = seen_by(correspondences, rival.T_target_source, registration.noise_bound);
     verdict.runner_up = verifier.evidence(rival.T_target_source);
     registration.runner_up = runner_up;
     registration.status = Status::ambiguous;
@@ -200,7 +204,8 @@ void choose(const PoseVerifier& verifier, const Correspondences& correspondences
 void take_if_borne_out(const Followed& followed, const PoseVerifier& verifier, const Correspondences& correspondences,
                        const std::optional<RigidTransform>& led_to_before, Registration& registration,
                        CloudVerdict& verdict) {
-  const auto& [other, evidence, is_another] = followed;
+  const RunnerUp& other = followed.found;
+  const PoseEvidence& evidence = followed.evidence;
   if (has_equal_rival(evidence) || other.support < kLeastSupport) return;
   const bool is_met_again = led_to_before && verifier.are_alike(*led_to_before, other.T_target_source);
   if (!is_borne_out(evidence, other.log10_false_poses) &&
@@ -210,9 +215,12 @@ void take_if_borne_out(const Followed& followed, const PoseVerifier& verifier, c
   }
   take(other, correspondences, registration);
   registration.T_target_source = other.T_target_source;
+  registration.inliers =
+      supporters(correspondences, working_pose(other.T_target_source, correspondences), registration.noise_bound);
   registration.refused.reset();
   registration.runner_up.reset();
   verdict.runner_up = std::exchange(verdict.pose, evidence);
+  // Correspondences that speak against it do not count against clouds that bear it out alone.
   verdict.log10_of_both = evidence.log10_chance + std::min(other.log10_false_poses, 0.0);
   verdict.found_by_clouds = true;
 }
@@ -247,6 +255,9 @@ bool is_borne_out(const PoseEvidence& evidence, double log10_false_poses) noexce
 
 CloudVerdict decide(const PoseVerifier& verifier, const Correspondences& correspondences, Registration& registration,
                     const std::optional<RigidTransform>& led_to_before) {
+  if (led_to_before && !led_to_before->matrix().allFinite()) {
+    throw std::invalid_argument("led_to_before is not finite");
+  }
   CloudVerdict verdict;
   verdict.of_correspondences = registration.status;
   const bool has_pose = registration.has_pose();
@@ -259,9 +270,10 @@ CloudVerdict decide(const PoseVerifier& verifier, const Correspondences& corresp
   verdict.pose = verifier.evidence(found.T_target_source);
   if (verdict.pose->samples > 0) {
     choose(verifier, correspondences, found, registration, verdict);
-    const bool is_one_of_two = registration.runner_up && has_equal_rival(*verdict.pose);
+    const bool is_one_of_two = registration.status == Status::ambiguous && has_equal_rival(*verdict.pose);
     if (!registration.has_pose() || is_one_of_two) {
-      const Followed followed = follow(verifier, correspondences, found, registration.noise_bound);
+      const RigidTransform& from = registration.has_pose() ? registration.T_target_source : found.T_target_source;
+      const Followed followed = follow(verifier, correspondences, from, registration.noise_bound);
       if (followed.is_another || !is_one_of_two) {
         take_if_borne_out(followed, verifier, correspondences, led_to_before, registration, verdict);
       }

@@ -6,6 +6,7 @@
 #include <limits>
 #include <stdexcept>
 #include <string>
+#include <utility>
 
 namespace consimd::features::detail {
 namespace {
@@ -26,11 +27,11 @@ std::uint64_t mixed(std::uint64_t key) noexcept {
   return key ^ (key >> 33);
 }
 
-// The table is entered by the low bits of the hash, the filter by the high ones.
 // Cosine of the angle between a normal and the line of sight from which on the side that was seen is known: surfaces
 // that are seen at less than some 5 degrees have normals that are further off.
 constexpr double kLeastSight = 0.09;
 
+// The table is entered by the low bits of the hash, the filter by the high ones.
 std::uint64_t filter_bit(std::uint64_t hash, std::size_t words) noexcept { return (hash >> 32) & (64 * words - 1); }
 
 }  // namespace
@@ -242,7 +243,16 @@ FreeSpace::FreeSpace(const Cloud& scan, const Vector3& viewpoint, double margin)
   constexpr std::size_t kCoarsest = 16;
   edge_ = kFinest;
   std::vector<Direction> points(scan.size());
-  for (std::size_t i = 0; i < points.size(); ++i) points[i] = direction(scan.point(i));
+  double farthest = 0.0;
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    points[i] = direction(scan.point(i));
+    farthest = std::max(farthest, points[i].squared_range);
+  }
+  // From so far away ranges, which are floats, do not tell what lies before what.
+  if (!(std::sqrt(farthest) * std::numeric_limits<float>::epsilon() < margin)) {
+    edge_ = 0;
+    return;
+  }
   for (;;) {
     look(points);
     const auto seen = static_cast<std::size_t>(std::ranges::count_if(range_, [](float r) { return r > 0.0f; }));

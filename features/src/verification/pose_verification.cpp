@@ -293,13 +293,16 @@ PoseVerifier::PoseVerifier(const VerifiedCloud& source, const VerifiedCloud& tar
     }
   }
   detail::FreeSpace source_space, target_space;
-  tbb::parallel_invoke([&] { source_space = space_of(source, voxel); },
-                       [&] { target_space = space_of(target, voxel); });
+  std::vector<SurfacePoint> source_surfaces, target_surfaces;
+  const auto see = [voxel](const VerifiedCloud& cloud, detail::FreeSpace& space, std::vector<SurfacePoint>& surfaces) {
+    space = space_of(cloud, voxel);
+    surfaces = detail::surface_points(cloud.surfaces, space);
+  };
+  tbb::parallel_invoke([&] { see(source, source_space, source_surfaces); },
+                       [&] { see(target, target_space, target_surfaces); });
   std::optional<Side> of_source, of_target;
   std::optional<detail::SurfaceMap> coarse;
-  const std::vector<SurfacePoint> source_surfaces = detail::surface_points(source.surfaces, source_space);
-  const std::vector<SurfacePoint> target_surfaces = detail::surface_points(target.surfaces, target_space);
-  tbb::parallel_invoke([&] { of_source = side_of(source_surfaces, std::move(source_space), voxel, seed); },
+  tbb::parallel_invoke([&] { of_source = side_of(std::move(source_surfaces), std::move(source_space), voxel, seed); },
                        [&] { of_target = side_of(target_surfaces, std::move(target_space), voxel, seed); },
                        [&] { coarse.emplace(target_surfaces, voxel, detail::RivalSearch::kCoarse); });
   detail::SurfaceLayout layout = detail::layout_of(of_target->surfaces.surfaces(), of_target->samples, seed);

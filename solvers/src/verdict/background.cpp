@@ -93,7 +93,7 @@ class HeldPose {
         reach_(noise_bound * fit_gain(found_)),
         at_random_(random_chances(view, pose, noise_bound, reach_, kPairs, kShifts, RareHits::extrapolated, matched_)),
         reaches_little_(at_random_.support.front() * static_cast<double>(view.size()) < kLittle) {
-    limit_clumps(rows_together, found_);
+    limit_clumps(rows_together, found_);  // what a fit gains hangs on all supporters
   }
 
   [[nodiscard]] const MatchedPoints& matched() const { return matched_; }
@@ -110,6 +110,7 @@ class HeldPose {
   }
   [[nodiscard]] PairingHits support(const Strata& strata) const {
     if (!reaches_little_) return strata.support(pose_, reach_, matched_);
+    // Nothing in it waits for other tasks, one of which may ask for the same.
     std::call_once(is_reached_, [this] { reached_ = reached_targets(view_, pose_, reach_); });
     return strata.support(reached_, reach_, matched_);
   }
@@ -224,9 +225,11 @@ double Background::measured(const WorkingPose& pose, double enough) const {
     tbb::parallel_for(first, end, [&](std::size_t s) {
       std::vector<PairingHits>& here = support[s - first];
       here.clear();
-      if (s == 0) here.push_back(held.support(lookalikes().lookalikes));
-      if (s == 0) return;
-      for (const Kept& kept : kind(s - 1)) here.push_back(held.support(kept.strata));
+      if (s == 0) {
+        here.push_back(held.support(lookalikes().lookalikes));
+      } else {
+        for (const Kept& kept : kind(s - 1)) here.push_back(held.support(kept.strata));
+      }
     });
     for (std::size_t s = first; s < end; ++s) {
       for (std::size_t way = 0; way < support[s - first].size(); ++way) {

@@ -28,7 +28,7 @@ class Background {
 
   /// ln of the number of poses supported as well as this one that pairing gives, at random or within the strata that
   /// explain the pose best. Where it is not below `enough` there may be more: as soon as any of them gives so many,
-  /// the others are not looked at.
+  /// the others are not looked at, but for those that other threads look at.
   [[nodiscard]] double log_false_poses(const WorkingPose& pose, double enough = 0.0) const;
 
  private:

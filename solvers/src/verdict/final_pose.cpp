@@ -32,9 +32,9 @@ constexpr double kRepeatedShare = 0.5;
 
 // Shifts that are as well supported by chance once in so many times show no repeated structure. What they reach is the
 // median of so many of the best.
-constexpr double kChanceShifts = 0.01;
-constexpr std::size_t kBestShifts = 8;
-constexpr std::uint32_t kShiftPairings = 32;  // of all rows, which tell that chance
+constexpr double kChanceMotions = 0.01;
+constexpr std::size_t kBestMotions = 8;
+constexpr std::uint32_t kMotionPairings = 32;  // of all rows, which tell that chance
 
 // Where a pose is looked at: two tries at being significant.
 constexpr double kPlaces = 2.0;
@@ -88,9 +88,9 @@ double lead_over(const RepeatedMotions& others, const Correspondences& correspon
     const MatchedPoints matched(view, others.best.pose, test.noise_bound);
     const std::array bounds{test.noise_bound};
     const double chance =
-        pose_chances(view, others.best.pose, bounds, kShiftPairings, RareHits::extrapolated, matched).front();
-    if (log_chance_of_shifts(size, others.independent, chance) >= elementary::log(kChanceShifts)) return kNone;
-    reached = others.independent[std::min(others.independent.size(), kBestShifts) / 2];
+        pose_chances(view, others.best.pose, bounds, kMotionPairings, RareHits::extrapolated, matched).front();
+    if (log_chance_of(others, size, chance) >= elementary::log(kChanceMotions)) return kNone;
+    reached = others.independent[std::min(others.independent.size(), kBestMotions) / 2];
   }
   const double supporters = independent_support(view, poses.best().pose, test.noise_bound);
   return log_binomial_tail(size, supporters, reached / size) / std::numbers::ln10;

@@ -119,13 +119,17 @@ RepeatedMotions shifted_motions(const Correspondences& correspondences, const Be
   return result;
 }
 
-double log_chance_of_shifts(double size, const std::vector<double>& independent, double chance) {
+double log_chance_of(const RepeatedMotions& motions, double size, double chance) {
+  const std::vector<double>& independent = motions.independent;
+  const double told_by_row = motions.looked_at ? 0.0 : 1.0;
   double least = 0.0;
   for (std::size_t m = 0; m < independent.size(); ++m) {
-    // Each row tells a shift, and so do all that support it.
     const double rows = independent[m];
-    const double expected = size / rows * elementary::exp(log_binomial_tail(size - 1.0, rows - 1.0, chance));
-    least = std::min(least, log_binomial_tail(size, static_cast<double>(m + 1), std::min(expected / size, 1.0)));
+    const double all = motions.looked_at.value_or(size);
+    const double different = motions.looked_at.value_or(size / rows);
+    const double expected =
+        different * elementary::exp(log_binomial_tail(size - told_by_row, rows - told_by_row, chance));
+    least = std::min(least, log_binomial_tail(all, static_cast<double>(m + 1), std::min(expected / all, 1.0)));
   }
   return std::min(0.0, least + elementary::log(std::max(static_cast<double>(independent.size()), 1.0)));
 }

@@ -52,17 +52,17 @@ struct CloudVerdict {
 /// that had too few correspondences alone. The pose is refined on the correspondences where it was not theirs. A pose
 /// from which the clouds cannot tell another one of theirs is `ambiguous`, with that one as the runner-up.
 ///
-/// Where that leaves no pose, or one of two, the clouds lead on: the pose is fitted to the surfaces, and its rival
-/// followed while that is the better one. What they lead to is the `success` where it is borne out, alone or together
-/// with the correspondences, has no equal rival and three rows that support it; it stays where the surfaces have it,
-/// with the covariance that the correspondences give. Clouds without surfaces decide nothing. Adds the stage
-/// "verification": samples, those that agree, poses tried.
+/// Where that leaves no pose, or one with an equal rival, the clouds lead on: the pose is fitted to the surfaces, and
+/// its rival followed while that is the better one. What they lead to is the `success` where it is borne out, alone or
+/// together with the correspondences, has no equal rival and three rows that support it; it stays where the surfaces
+/// have it, with the rows that support it there and the covariance that the correspondences give near it. Clouds
+/// without surfaces decide nothing. Adds the stage "verification": samples, those that agree, poses tried.
 ///
 /// `registration` is one of `correspondences`, whose rows are points of the verifier's clouds: poses are in the
 /// caller's frames, its noise bound in the caller's unit. One without a pose and without a refused one stays as it is,
-/// without the stage. `led_to_before`: CloudVerdict::led_to of another attempt. Throws std::invalid_argument on a pose
-/// that is not finite, or, where one has to be refined or a rival to be counted, on a noise bound that is not above 0
-/// and at most 1e307.
+/// without the stage. `led_to_before`: CloudVerdict::led_to of another attempt. Throws std::invalid_argument on a pose,
+/// this one too, that is not finite, or, where one has to be refined or a rival to be counted, on a noise bound that is
+/// not above 0 and at most 1e307.
 CloudVerdict decide(const PoseVerifier& verifier, const Correspondences& correspondences, Registration& registration,
                     const std::optional<RigidTransform>& led_to_before = std::nullopt);
 

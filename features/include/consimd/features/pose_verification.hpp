@@ -94,7 +94,8 @@ class PoseVerifier {
   /// slide along what no surface holds. Throws as evidence does.
   [[nodiscard]] RigidTransform fitted(const RigidTransform& T_target_source) const;
 
-  /// Whether two poses bring the source's surfaces within six voxels of one another, root mean square.
+  /// Whether two poses (T_target_source, caller's frames) bring the source's surfaces, which lie as the target's do,
+  /// within six voxels of one another, root mean square. Throws as evidence does.
   [[nodiscard]] bool are_alike(const RigidTransform& pose, const RigidTransform& other) const;
 
  private:
