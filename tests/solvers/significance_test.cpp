@@ -78,40 +78,6 @@ TEST_P(SignificanceByChance, BestPosesWithoutATruthAreNotSignificant) {
   EXPECT_LE(below_two, 2);
 }
 
-// A pose is found by its support, so that one of several alike is that of the largest clumps of rows. With all else
-// alone, a dozen rows of a place tell hardly more than one.
-TEST(Significance, LargeClumpsAreNoSignOfRarity) {
-  constexpr std::size_t kRows = 3000;
-  constexpr std::size_t kPlaces = 9;
-  constexpr double kBound = 0.6;
-  std::mt19937 random(5);
-  std::uniform_real_distribution<double> anywhere(-50.0, 50.0);
-  std::uniform_real_distribution<double> aside(-0.2, 0.2);
-  const auto place = [&] { return std::array{anywhere(random), anywhere(random), anywhere(random)}; };
-  std::vector<double> values;
-  for (const std::size_t rows_of_place : {1U, 4U, 12U}) {
-    std::vector<std::array<double, 3>> sources(kRows);
-    std::vector<std::array<double, 3>> targets(kRows);
-    for (std::size_t row = 0; row < kRows; ++row) {
-      sources[row] = place();
-      targets[row] = place();
-      const std::size_t first = row - row % rows_of_place;
-      if (first >= kPlaces * rows_of_place) continue;
-      for (std::size_t c = 0; c < 3; ++c) {
-        if (row > first) sources[row][c] = sources[first][c] + aside(random);
-        targets[row][c] = sources[row][c] + aside(random);
-      }
-    }
-    const Correspondences correspondences(PointSpan<double>::interleaved(sources.front().data(), kRows),
-                                          PointSpan<double>::interleaved(targets.front().data(), kRows));
-    const WorkingPose pose = to_working_pose(to_working_frame(RigidTransform::Identity(), correspondences));
-    values.push_back(significance(correspondences, pose, kBound, Scrutiny::close).log10_false_poses);
-  }
-  EXPECT_LT(values[0], -10.0);
-  EXPECT_NEAR(values[1], values[0], 3.0);
-  EXPECT_NEAR(values[2], values[0], 3.0);
-}
-
 TEST(Significance, APoseWithoutSupportHasNone) {
   const Problem problem = synth::noise_study_problem({.correspondences = 1000});
   const Correspondences correspondences = problem.correspondences();

@@ -60,7 +60,7 @@ class TurnsAboutASensorOf : public ::testing::TestWithParam<const char*> {};
 INSTANTIATE_TEST_SUITE_P(Solvers, TurnsAboutASensorOf, ::testing::ValuesIn(kSolvers),
                          [](const auto& test) { return std::string(test.param); });
 
-// Without turns, and with clumps counted as they are, 5 of the 40.
+// Without turns 5 of the 40.
 TEST(TurnsAboutASensor, AreHardlyEverASuccess) {
   for (const char* solver : {"tcf", "turboreg"}) {
     std::size_t successes = 0;

@@ -264,9 +264,11 @@ CloudVerdict decide(const PoseVerifier& verifier, const Correspondences& corresp
   if (!has_pose && !registration.refused) return verdict;
 
   const auto start = std::chrono::steady_clock::now();
-  const RunnerUp found = has_pose ? RunnerUp{registration.T_target_source, registration.inliers.size(),
-                                             registration.log10_false_poses, registration.scale}
-                                  : *registration.refused;
+  // What else the data give to motions like a refused pose is for the clouds to tell, which have rivals of their own.
+  const RunnerUp found =
+      has_pose ? RunnerUp{registration.T_target_source, registration.inliers.size(), registration.log10_false_poses,
+                          registration.scale}
+               : seen_by(correspondences, registration.refused->T_target_source, registration.noise_bound);
   verdict.pose = verifier.evidence(found.T_target_source);
   if (verdict.pose->samples > 0) {
     choose(verifier, correspondences, found, registration, verdict);

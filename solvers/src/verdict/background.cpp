@@ -83,18 +83,14 @@ void narrow_down(const PairingHits& support, const Chances& at_random, Chances& 
 // A pose, what supports it, and what random pairing gives it.
 class HeldPose {
  public:
-  // rows_together: see limit_clumps. Lengths in the caller's unit.
-  HeldPose(const CorrespondenceView& view, const WorkingPose& pose, double noise_bound, double radius,
-           double rows_together)
+  HeldPose(const CorrespondenceView& view, const WorkingPose& pose, double noise_bound, double radius)
       : view_(view),
         pose_(pose),
         matched_(view, pose, noise_bound),
         found_(supports(view, pose, noise_bound, radius)),
         reach_(noise_bound * fit_gain(found_)),
         at_random_(random_chances(view, pose, noise_bound, reach_, kPairs, kShifts, RareHits::extrapolated, matched_)),
-        reaches_little_(at_random_.support.front() * static_cast<double>(view.size()) < kLittle) {
-    limit_clumps(rows_together, found_);  // what a fit gains hangs on all supporters
-  }
+        reaches_little_(at_random_.support.front() * static_cast<double>(view.size()) < kLittle) {}
 
   [[nodiscard]] const MatchedPoints& matched() const { return matched_; }
   [[nodiscard]] double reach() const { return reach_; }  // caller's unit
@@ -202,9 +198,8 @@ double Background::log_false_poses(const WorkingPose& pose, double enough) const
 
 double Background::measured(const WorkingPose& pose, double enough) const {
   const CorrespondenceView view = correspondences_->view();
-  const double length = coherence_.length(pose, kLeastRadius, kLargestRadius);
-  const double radius = length * noise_bound_;
-  HeldPose held(view, pose, noise_bound_, radius, coherence_.rows_together(pose, length));
+  const double radius = coherence_.length(pose, kLeastRadius, kLargestRadius) * noise_bound_;
+  HeldPose held(view, pose, noise_bound_, radius);
   double most = held.log_false_poses(held.at_random());
   if (most >= enough) return most;
   // Two lines determine a pose, whatever rows they have.

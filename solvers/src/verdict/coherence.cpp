@@ -216,7 +216,6 @@ Coherence::Coherence(const CorrespondenceView& view, double noise_bound) : view_
     const Point p = source_point(view, row);
     const Point q = target_point(view, row);
     if (std::isnan(p.x)) continue;  // a far row
-    rows_.push_back(row);
     sources.visit(p, limit, [&](std::uint32_t other, float squared) {
       if (squared == 0.0F) return;
       const double apart = std::sqrt(static_cast<double>(squared)) / unit;
@@ -259,23 +258,6 @@ double Coherence::length(const WorkingPose& pose, double least, double most) con
     former = lift;
   }
   return std::clamp(length, least, most);
-}
-
-double Coherence::rows_together(const WorkingPose& pose, double radius) const {
-  const std::vector<bool> explained = explained_by(view_, pose, noise_bound_);
-  double rows = 0.0;
-  double clumps = 0.0;
-  auto pair = pairs_.begin();
-  for (const std::uint32_t row : rows_) {
-    double together = 1.0;
-    for (; pair != pairs_.end() && pair->row == row; ++pair) {
-      if (pair->agrees && !explained[pair->other] && middle_of(pair->step) < radius) ++together;
-    }
-    if (explained[row]) continue;
-    ++rows;
-    clumps += 1.0 / together;
-  }
-  return rows > 0.0 ? rows / clumps : 1.0;
 }
 
 bool are_on_two_coherent_lines(const CorrespondenceView& view, const WorkingPose& pose, double noise_bound,

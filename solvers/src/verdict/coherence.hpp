@@ -22,10 +22,6 @@ class Coherence {
   /// in noise bounds.
   [[nodiscard]] double length(const WorkingPose& pose, double least, double most) const;
 
-  /// How many outliers come together, on average: rows that are no supporters of the pose, with sources within `radius`
-  /// (noise bounds) of one another and targets as far apart as these.
-  [[nodiscard]] double rows_together(const WorkingPose& pose, double radius) const;
-
  private:
   static constexpr std::size_t kSteps = 7;
 
@@ -38,8 +34,7 @@ class Coherence {
 
   CorrespondenceView view_;
   double noise_bound_;
-  std::vector<std::uint32_t> rows_;         // that were looked at
-  std::vector<Pair> pairs_;                 // of these and others, row by row
+  std::vector<Pair> pairs_;
   std::array<double, kSteps> by_chance_{};  // share of pairs whose targets are about as far apart as the step is
 };
 

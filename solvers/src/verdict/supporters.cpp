@@ -106,12 +106,4 @@ Supports supports(const CorrespondenceView& view, const WorkingPose& pose, doubl
   return result;
 }
 
-void limit_clumps(double rows_together, Supports& supports) {
-  for (Support& support : supports) {
-    // Clumps vary about as much as their mean is.
-    const double error = 1.0 / std::sqrt(std::max(support.spread, 1.0));
-    support.count = std::min(support.count, support.spread * rows_together * (1.0 + error));
-  }
-}
-
 }  // namespace consimd::detail

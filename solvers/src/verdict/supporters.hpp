@@ -15,7 +15,7 @@ namespace consimd::detail {
 
 /// Supporters at one of the tested bounds.
 struct Support {
-  double count = 0.0;  ///< how many there are, or count for as many (see limit_clumps)
+  double count = 0.0;
   /// Those that count with each but the first of a place once: in input order, a supporter whose source is closer than
   /// the radius to that of one that counts already does not.
   double spread = 0.0;
@@ -26,10 +26,5 @@ using Supports = std::array<Support, kTestedBounds.size()>;
 /// radius: caller's unit. `along`: directions, orthogonal to each other, along which a line is one place.
 [[nodiscard]] Supports supports(const CorrespondenceView& view, const WorkingPose& pose, double noise_bound,
                                 double radius, std::span<const Eigen::Vector3f> along = {});
-
-/// A pose was found by its support: where supporters of a place are more than the rows that come together elsewhere,
-/// large clumps are what it was found by, and no sign that it is rare. Each place counts for `rows_together` then, the
-/// mean of other rows' clumps, but for the standard error of so many places.
-void limit_clumps(double rows_together, Supports& supports);
 
 }  // namespace consimd::detail
