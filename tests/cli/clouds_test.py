@@ -243,6 +243,9 @@ class Clouds(CommandTest):
             self.assertGreater(found["pose"]["agreement"], 0.5)
             self.assertLess(found["pose"]["seen_through"], 0.05)
             self.assertLess(found["pose"]["log10_chance"], -2.5)
+            self.assertFalse(found["found_by_clouds"])
+            self.assertGreaterEqual(found["pose"]["fitted_agreement"], 0.5)
+            self.assertLess(found["pose"]["fitted_seen_through"], 0.05)
             self.assertEqual(run["stages"][-1]["name"], "verification")
         self.assertIn("clouds        agree at ", self.run_command("register", source, target))
         alone = json.loads(self.run_command("register", source, target, "--no-verification", "--json", "-"))["runs"][0]

@@ -26,7 +26,7 @@ constexpr double kLeastOfBoth = -8.0;
 // Share of the samples that tell for or against a pose, seen through: right poses have up to 0.02, those that are two
 // voxels off 0.06, and half of those between different places 0.3 or more.
 constexpr double kSeenThrough = 0.1;
-// The same of the pose fitted to the surfaces near it: right poses have up to 0.04, in rooms, and up to 0.012 in
+// That share once the pose is fitted to the surfaces near it: right poses have up to 0.04, in rooms, and up to 0.012 in
 // recorded scans; 3 wrong ones that were a success before had 0.06 to 0.09.
 constexpr double kFittedSeenThrough = 0.05;
 
@@ -48,9 +48,10 @@ constexpr double kDisplacedAreSeenThrough = 0.1;
 constexpr double kGainOfScale = 1.1;
 constexpr double kOtherScale = 0.03;
 
-// Rivals that are better than the pose before them are followed at most so often.
+// Rivals that are better than the pose before them are followed at most so often: the search may go to and fro between
+// two that each find the other better.
 constexpr int kMostFollowed = 4;
-// Rows that determine a pose.
+// So many rows determine a pose.
 constexpr std::size_t kLeastSupport = 3;
 
 /// The part of what tells for or against a pose that is seen through.
@@ -58,7 +59,7 @@ double share_seen_through(double agreement, double seen_through) {
   return seen_through > 0.0 ? seen_through / (agreement + seen_through) : 0.0;
 }
 
-/// The same of poses that are displaced.
+/// The part that is seen through of what tells for or against displaced poses.
 double displaced_share_seen_through(const PoseEvidence& evidence) {
   return share_seen_through(evidence.displaced_agreement, evidence.displaced_seen_through);
 }
@@ -119,7 +120,7 @@ void refuse(Registration& registration) {
 struct Followed {
   RunnerUp found;
   PoseEvidence evidence;
-  bool is_another = false;  // than the one that was followed from
+  bool is_another = false;  // it is not alike the one that was followed from
 };
 
 /// From a pose, brought onto the surfaces near it, to its better rival, and from that to its own, until there is none.
@@ -143,8 +144,8 @@ struct AskedAlone {
 // of 878 at pairs of one place, most of them far apart, to none that is wrong, and to 52 that are right and were none
 // before. At -3.8 and -3.6, with 0.47, two are wrong.
 constexpr AskedAlone kOnce{-4.0, 0.5};
-// The same of two attempts with other voxels that lead to one pose. Of single attempts 1 and 3 of these are wrong, no
-// two at one pair.
+// Two attempts with other voxels that lead to one pose need less. Of single attempts 1 and 3 are wrong by this, no two
+// of one pair.
 constexpr AskedAlone kTwice{-3.0, 0.6};
 
 /// Whether the clouds alone bear a pose out, whatever the correspondences say: it is rarer than a pose has to be that

@@ -73,9 +73,10 @@ double lead(const Correspondences& correspondences, const PoseTest& test, const 
 
 // log10 of the chance that another motion, of those that repeat the best pose, is supported as well as it: where
 // windows repeat every pose on them has some support, as every turn about a sensor has on its rings, and only what
-// stands out against that tells of a motion. Asked where the best of them is significant itself; and where they are
-// many that have more than random pairing gives them, as windows in two rows each make them, which no stratum sees.
-// These are held against the pose by their median: the best ones about a true pose share some of its support.
+// stands out against that tells of a motion. It is asked where the best of them has more than chance and strata give;
+// and where they are many that have more than random pairing gives them, as windows in two rows each make them, which
+// no stratum sees. These are held against the pose by their median: the best ones about a true pose share some of its
+// support.
 double lead_over(const RepeatedMotions& others, const Correspondences& correspondences, const PoseTest& test,
                  const BestPoses& poses) {
   constexpr double kNone = -std::numeric_limits<double>::infinity();
@@ -96,7 +97,7 @@ double lead_over(const RepeatedMotions& others, const Correspondences& correspon
   return log_binomial_tail(size, supporters, reached / size) / std::numbers::ln10;
 }
 
-// The same of shifts, one of which has half of the support of the best pose, and of turns about the viewpoint.
+// The largest lead over shifts, one of which has half of the support of the best pose, and turns about the viewpoint.
 double lead_over_repetitions(const Correspondences& correspondences, const PoseTest& test, const BestPoses& poses) {
   double lead = -std::numeric_limits<double>::infinity();
   const RepeatedMotions shifts = shifted_motions(correspondences, poses, test.noise_bound);

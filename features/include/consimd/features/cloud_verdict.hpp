@@ -61,8 +61,8 @@ struct CloudVerdict {
 /// `registration` is one of `correspondences`, whose rows are points of the verifier's clouds: poses are in the
 /// caller's frames, its noise bound in the caller's unit. One without a pose and without a refused one stays as it is,
 /// without the stage. `led_to_before`: CloudVerdict::led_to of another attempt. Throws std::invalid_argument on a pose,
-/// this one too, that is not finite, or, where one has to be refined or a rival to be counted, on a noise bound that is
-/// not above 0 and at most 1e307.
+/// this one too, that is not finite, or, where one was refused, has to be refined or a rival to be counted, on a noise
+/// bound that is not above 0 and at most 1e307.
 CloudVerdict decide(const PoseVerifier& verifier, const Correspondences& correspondences, Registration& registration,
                     const std::optional<RigidTransform>& led_to_before = std::nullopt);
 

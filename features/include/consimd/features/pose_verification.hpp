@@ -58,8 +58,8 @@ struct PoseEvidence {
   std::size_t displacements = 0;     ///< poses that the chance comes from
   double displaced_agreement = 0.0;  ///< as `agreement`, mean of the displaced poses
   double displaced_seen_through = 0.0;  ///< as `seen_through`, mean of the displaced poses
-  /// As `agreement` and `seen_through`, with the pose fitted to the surfaces near it, where its chance is below 1
-  /// in 20.
+  /// As `agreement` and `seen_through`, with the pose fitted to the surfaces near it; 0 where its chance is not
+  /// below 1 in 20.
   double fitted_agreement = 0.0;
   double fitted_seen_through = 0.0;
   /// The best other pose at which the clouds agree, where a scene repeats itself or about an axis of symmetry; before
