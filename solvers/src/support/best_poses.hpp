@@ -5,6 +5,7 @@
 #include <consimd/kernels/kernel_data.hpp>
 
 #include "support/pose_candidate.hpp"
+#include "support/supported_motion.hpp"
 
 namespace consimd::detail {
 
@@ -25,9 +26,8 @@ class BestPoses {
   [[nodiscard]] const PoseCandidate& best() const noexcept { return best_; }
   [[nodiscard]] const PoseCandidate& runner_up() const noexcept { return runner_up_; }
 
-  /// Whether the pose moves the best pose's supporters where that does, to within twice the noise bound (root mean
-  /// square).
-  [[nodiscard]] bool same_motion_as_best(const WorkingPose& pose) const;
+  /// Whether the pose moves the best pose's supporters where that does (kSameMotion).
+  [[nodiscard]] bool same_motion_as_best(const WorkingPose& pose) const { return best_motion_.is_same(pose); }
   /// Whether the best pose, or the runner-up, takes the row's source to within twice the noise bound of its target.
   [[nodiscard]] bool best_explains(std::uint32_t row) const { return explains(best_, row); }
   [[nodiscard]] bool runner_up_explains(std::uint32_t row) const { return explains(runner_up_, row); }
@@ -39,7 +39,7 @@ class BestPoses {
   const Correspondences* correspondences_;
   double noise_bound_;
   PoseCandidate best_;
-  RigidMoments best_supporters_{};
+  SupportedMotion best_motion_;
   PoseCandidate runner_up_;
 };
 

@@ -15,7 +15,7 @@
 #include <consimd/kernels/elementary_functions.hpp>
 #include <consimd/poses/rigid_fit.hpp>
 
-#include "support/points.hpp"
+#include "support/supported_motion.hpp"
 #include "verdict/false_poses.hpp"
 #include "verdict/kept_coordinates.hpp"
 
@@ -29,12 +29,9 @@ constexpr std::size_t kMostKept = 16;
 // starts with. Where nothing is kept the best ones of 1000 and of 3000 uniform rows are those of so many times one to
 // three where a pose reaches one row by chance, of a tenth as many where it reaches three, and of fewer beyond.
 constexpr double kReached = 27.0 * 27.0;
-// Motions that move a supporter no further apart than so many noise bounds, root mean square, are one.
-constexpr double kSameMotion = 2.0;
 
 struct Turned {
   PoseCandidate found;
-  std::vector<std::uint32_t> supporters;
   double independent = 0.0;
 };
 
@@ -47,16 +44,6 @@ WorkingPose turned_by(const WorkingPose& pose, const Eigen::Vector3d& centre, co
   turn.linear() += sine * cross + (1.0 - cosine) * cross * cross;
   turn.translation() = centre - turn.linear() * centre;
   return to_working_pose(from_working_pose(pose) * turn);
-}
-
-bool is_same_motion(const CorrespondenceView& view, const Turned& one, const WorkingPose& other, double noise_bound) {
-  double sum = 0.0;
-  for (const std::uint32_t row : one.supporters) {
-    const Point p = source_point(view, row);
-    sum += static_cast<double>(squared_distance(moved(one.found.pose, p), moved(other, p)));
-  }
-  const double limit = kSameMotion * noise_bound * view.scale();
-  return sum < limit * limit * static_cast<double>(one.supporters.size());
 }
 
 }  // namespace
@@ -72,21 +59,19 @@ RepeatedMotions turned_motions(const Correspondences& correspondences, const Bes
     const WorkingPose start = turned_by(poses.best().pose, coordinates.viewpoint(), axis, angle);
     const PoseCandidate found = widely_optimise(correspondences, scored(view, start, noise_bound), noise_bound);
     if (found.support.count < 3 || poses.same_motion_as_best(found.pose)) return;
-    std::vector<std::uint32_t> rows = pose_inliers(view, found.pose, noise_bound);
+    const std::vector<std::uint32_t> rows = pose_inliers(view, found.pose, noise_bound);
     const auto shared = std::ranges::count_if(rows, [&](std::uint32_t row) { return poses.best_explains(row); });
     if (2 * static_cast<std::size_t>(shared) > rows.size()) return;
-    turned[k] = {found, std::move(rows), independent_support(view, found.pose, noise_bound)};
+    turned[k] = {found, independent_support(view, found.pose, noise_bound)};
   });
   std::ranges::stable_sort(turned, std::ranges::greater{}, &Turned::independent);
   RepeatedMotions result;
   result.looked_at = static_cast<double>(kTurns) * kReached;
-  std::vector<const Turned*> kept;
+  std::vector<SupportedMotion> kept;
   for (const Turned& one : turned) {
     if (one.independent < 3.0 || kept.size() == kMostKept) break;
-    const bool is_known = std::ranges::any_of(
-        kept, [&](const Turned* former) { return is_same_motion(view, one, former->found.pose, noise_bound); });
-    if (is_known) continue;
-    kept.push_back(&one);
+    if (std::ranges::any_of(kept, [&](const SupportedMotion& m) { return m.is_same(one.found.pose); })) continue;
+    kept.emplace_back(view, one.found.pose, noise_bound);
     result.independent.push_back(one.independent);
     if (one.found.support.score > result.best.support.score) result.best = one.found;
   }
