@@ -4,7 +4,8 @@
 front_ends.py CONSIMD PAIRS [--pcl PROGRAM] [--rounds N] [--cpu K]
 
 CONSIMD: the command. PAIRS: a JSON list of {"name", "source", "target", "voxel", "T_target_source"}, whose files lie beside
-it (PLY, PCD, KITTI's .bin). All run on one core, one after another in each round, so that ratios come from like moments;
+it (PLY, PCD, KITTI's .bin); where the pose is null the scans are of different places, and any pose is wrong. made_up_scans.py
+makes such lists. All run on one core, one after another in each round, so that ratios come from like moments;
 prints tables in Markdown. Needs a Python with the peers: pip install open3d kiss-matcher numpy. PROGRAM is the target
 consimd_pcl_front_end, which the build has where PCL is installed (Debian: libpcl-dev); without it PCL is left out.
 
@@ -44,11 +45,15 @@ def outcome(pose, truth):
     """Right, wrong, or none where a front end says that it has found no pose."""
     if pose is None:
         return "none"
+    if truth is None:
+        return "wrong"
     rotation, translation = errors(pose, truth)
     return "right" if rotation <= MAX_ROTATION_DEG and translation <= MAX_TRANSLATION_M else "wrong"
 
 
 def true_matches(source, target, pair):
+    if pair["truth"] is None:
+        return 0
     moved = source @ pair["truth"][:3, :3].T + pair["truth"][:3, 3]
     return int((np.linalg.norm(moved - target, axis=1) <= TRUE_VOXELS * pair["voxel"]).sum())
 
@@ -254,7 +259,7 @@ def main():
     for pair in pairs:
         for side in ("source", "target"):
             pair[side] = arguments.pairs.parent / pair[side]
-        pair["truth"] = np.array(pair["T_target_source"])
+        pair["truth"] = None if pair["T_target_source"] is None else np.array(pair["T_target_source"])
         pair["points"] = [read_points(pair[side]) for side in ("source", "target")]
         pair["float_points"] = [points.astype(np.float32) for points in pair["points"]]
     times = {peer: [] for peer in PEERS}
