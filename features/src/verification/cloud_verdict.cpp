@@ -165,6 +165,12 @@ bool is_ruled_out(const PoseEvidence& rival, const PoseEvidence& pose) {
   return rival.agreement < kRivalAgreement * pose.agreement || is_seen_through(rival);
 }
 
+/// Whether the best rival has about the score of a pose and is not seen through.
+bool has_rival_in_doubt(const PoseEvidence& evidence) {
+  return evidence.rival && evidence.rival->share_of_score >= kRivalAgreement &&
+         share_seen_through(evidence.rival->agreement, evidence.rival->seen_through) <= kSeenThrough;
+}
+
 /// Lets the clouds decide on the pose that was found, its runner-up and the clouds' own rival of it.
 void choose(const PoseVerifier& verifier, const Correspondences& correspondences, const RunnerUp& found,
             Registration& registration, CloudVerdict& verdict) {
@@ -176,7 +182,7 @@ void choose(const PoseVerifier& verifier, const Correspondences& correspondences
     runner_up_stands = is_borne_out(*verdict.runner_up, registration.runner_up->log10_false_poses);
   }
   if (stands) verdict.log10_of_both = verdict.pose->log10_chance + found.log10_false_poses;
-  if (!has_pose && stands) {
+  if (!has_pose && stands && !has_rival_in_doubt(*verdict.pose)) {
     take(found, correspondences, registration);
     registration.refused.reset();
   } else if (has_pose && !stands && runner_up_stands) {
@@ -207,7 +213,7 @@ void take_if_borne_out(const Followed& followed, const PoseVerifier& verifier, c
                        CloudVerdict& verdict) {
   const RunnerUp& other = followed.found;
   const PoseEvidence& evidence = followed.evidence;
-  if (has_equal_rival(evidence) || other.support < kLeastSupport) return;
+  if (has_equal_rival(evidence) || has_rival_in_doubt(evidence) || other.support < kLeastSupport) return;
   const bool is_met_again = led_to_before && verifier.are_alike(*led_to_before, other.T_target_source);
   if (!is_borne_out(evidence, other.log10_false_poses) &&
       !is_borne_out_alone(evidence, is_met_again ? kTwice : kOnce)) {
