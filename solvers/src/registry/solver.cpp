@@ -148,6 +148,9 @@ Registration register_in_arena(const SolverCall& solver, const Correspondences& 
     if (!result.stopped && found_nothing(result) && !options.estimate_scale) {
       try_independent_rows_at(*options.noise_bound, solver, correspondences, options, result);
     }
+    if (result.has_pose() && detail::hides_a_distortion(correspondences, result.T_target_source, result.noise_bound)) {
+      detail::refuse(result);
+    }
     return result;
   }
   StageReport estimation{detail::kNoiseBoundStage, correspondences.size(), 0, 0, 0.0};
