@@ -73,8 +73,9 @@ CloudRegistration verified(const Cloud& source, const Cloud& target, const Cloud
   double needed = kBeyondDoubt;
   std::optional<RigidTransform> led_to = options.verify ? best.verdict->led_to : std::nullopt;
   const double first = voxel;
+  bool decided = options.verify && is_decided(best);
   for (std::uint32_t attempts = 1; options.verify && attempts < kMostAttempts; ++attempts) {
-    if (best.verdict->log10_of_both < needed || best.registration.stopped || is_decided(best)) break;
+    if (best.verdict->log10_of_both < needed || best.registration.stopped || decided) break;
     // Clouds of a few voxels would be left with none.
     if (std::min(best.matches.source.voxels, best.matches.target.voxels) < kFewVoxels) break;
     voxel = coarser_than(voxel, source, target, options, attempts);
@@ -82,7 +83,8 @@ CloudRegistration verified(const Cloud& source, const Cloud& target, const Cloud
     another.matching.voxel = voxel;
     CloudRegistration found = attempt(source, target, another, led_to);
     if (found.verdict->led_to) led_to = found.verdict->led_to;
-    if (found.verdict->log10_of_both <= best.verdict->log10_of_both) best = std::move(found);
+    decided = is_decided(found);
+    if (decided || found.verdict->log10_of_both < best.verdict->log10_of_both) best = std::move(found);
     best.attempts = attempts + 1;
     needed = 0.0;
   }

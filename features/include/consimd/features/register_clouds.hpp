@@ -24,9 +24,10 @@ struct CloudRegistrationOptions {
   std::uint64_t seed = 1;
   /// At most so many threads, in an oneTBB arena of its own; 0: in the caller's arena.
   int threads = 0;
-  StopCondition stop = {};  ///< ends the search among the matches early; there is no second attempt then
-  /// Let the clouds decide over the pose of their correspondences (see cloud_verdict.hpp). Where they bear none out,
-  /// or leave it in doubt, the front end is tried once more with voxels of one and a half times the side.
+  StopCondition stop = {};  ///< ends the search among the matches early; there is no further attempt then
+  /// Let the clouds decide over the pose of their correspondences (see cloud_verdict.hpp). Where they leave it in doubt
+  /// the front end is tried once more with voxels of one and a half times the side, and where they bear none out up to
+  /// three times, each with voxels that much larger. A pose of larger voxels is refined on them, point to plane.
   bool verify = true;
   /// How the pose is refined on the clouds, if at all (see refinement.hpp).
   std::optional<RefinementMethod> refine = std::nullopt;
@@ -37,7 +38,8 @@ struct CloudRegistration {
   Registration registration;  ///< inliers are rows of matches.correspondences
   /// Where the clouds were to decide.
   std::optional<CloudVerdict> verdict = std::nullopt;
-  std::size_t attempts = 1;  ///< of the front end; all else is of the one whose pose is the less likely by chance
+  std::size_t attempts = 1;  ///< of the front end; all else is of the one whose pose is least likely by chance, or the
+                             ///< first where none is borne out
   /// Where it was asked for and there was a pose to start from.
   std::optional<Refinement> refinement = std::nullopt;
 };
