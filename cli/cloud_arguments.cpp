@@ -90,7 +90,8 @@ std::vector<std::size_t> row_columns_of(const CloudArguments& arguments) {
   std::vector<std::size_t> columns = columns_in(*arguments.columns);
   if (columns.size() == 6) return columns;
   throw std::invalid_argument(
-      fmt::format("--columns: expected six columns counted from 1, as in 2,3,4,5,6,7, got '{}'", *arguments.columns));
+      fmt::format("--columns: expected six columns counted from 1, as in 2,3,4,5,6,7, none twice of a point, got '{}'",
+                  *arguments.columns));
 }
 
 Viewpoint source_viewpoint_of(const CloudArguments& arguments) {
@@ -224,7 +225,7 @@ std::string correspondence_text(const features::CloudMatches& matches) {
   return fmt::to_string(text);
 }
 
-std::string to_text(const features::CloudMatches& matches, const CloudArguments& arguments) {
+std::string to_text(const features::CloudMatches& matches, const CloudArguments& arguments, bool bound_is_given) {
   fmt::memory_buffer text;
   const auto out = std::back_inserter(text);
   for (const auto& [name, cloud] : {std::pair("source", &matches.source), std::pair("target", &matches.target)}) {
@@ -233,8 +234,10 @@ std::string to_text(const features::CloudMatches& matches, const CloudArguments&
     fmt::format_to(out, ", {} voxels, {} described, resolution {:.3g}\n", cloud->voxels, cloud->descriptors,
                    cloud->resolution);
   }
-  fmt::format_to(out, "voxel         {:.4g}, keypoints {}, matches {}; noise bound by the resolution {:.4g}\n",
-                 matches.voxel, arguments.keypoints, arguments.matches, matches.noise_bound);
+  fmt::format_to(out, "voxel         {:.4g}, keypoints {}, matches {}", matches.voxel, arguments.keypoints,
+                 arguments.matches);
+  if (!bound_is_given) fmt::format_to(out, "; noise bound by the resolution {:.4g}", matches.noise_bound);
+  fmt::format_to(out, "\n");
   if (!matches.hint.empty()) fmt::format_to(out, "hint          {}\n", matches.hint);
   fmt::format_to(out, "{:<24}{:>10}{:>10}{:>12}{:>12}\n", "stage", "input", "output", "", "ms");
   for (const StageReport& stage : matches.stages) {

@@ -75,7 +75,8 @@ struct CloudPair {
 /// The options of what happens once there is a pose.
 void add_refinement_options(CLI::App& command, CloudArguments& arguments);
 
-/// For people: what was chosen, and a line per stage.
-[[nodiscard]] std::string to_text(const features::CloudMatches& matches, const CloudArguments& arguments);
+/// For people: what was chosen, and a line per stage. `bound_is_given`: that of the resolution is not used.
+[[nodiscard]] std::string to_text(const features::CloudMatches& matches, const CloudArguments& arguments,
+                                  bool bound_is_given = false);
 
 }  // namespace consimd::cli

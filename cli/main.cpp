@@ -26,6 +26,18 @@ int fail(std::string message) {
   return kBadInput;
 }
 
+/// An empty number is a variable of a shell that is not set: CLI11 takes it as if the option were not given.
+void refuse_empty_numbers(CLI::App& app) {
+  for (CLI::App* command : app.get_subcommands(nullptr)) {
+    for (CLI::Option* option : command->get_options()) {
+      const std::string type = option->get_type_name();
+      if (type != "FLOAT" && type != "INT" && type != "UINT") continue;
+      option->check(CLI::Validator(
+          [](std::string& value) { return std::string(value.empty() ? "is empty, expected a number" : ""); }, ""));
+    }
+  }
+}
+
 /// Parses and does what the arguments say, help and version included. Throws CLI::ParseError on wrong usage.
 int run_command(CLI::App& app, int argc, char** argv, const Action& run) {
   try {
@@ -67,6 +79,7 @@ int main(int argc, char** argv) {
   add_compare_command(app, run);
   add_generate_command(app, run);
   add_info_command(app, run);
+  refuse_empty_numbers(app);
   try {
     const int code = run_command(app, argc, argv, run);
     flush_standard_output();

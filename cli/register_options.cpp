@@ -118,6 +118,11 @@ void check(const RegisterOptions& options) {
     throw std::invalid_argument(
         fmt::format("--picture: draws SVG or PNG, so expected a FILE.svg or FILE.png, got '{}'", options.picture));
   }
+  if (const std::string ending = std::filesystem::path(options.view).extension();
+      !options.view.empty() && ending != ".html" && ending != ".htm") {
+    throw std::invalid_argument(
+        fmt::format("--view: writes a page, so expected a FILE.html, got '{}'; --picture draws", options.view));
+  }
   if (options.assume_inliers && (options.noise_bound || options.estimate_scale || options.repeat != 1)) {
     throw std::invalid_argument(
         "--assume-inliers: searches nothing, so it takes no --noise-bound, --estimate-scale or --repeat");
@@ -151,8 +156,7 @@ void add_register_options(CLI::App& command, RegisterOptions& options) {
       "--no-verification", options.clouds.no_verification,
       "Of clouds: let the correspondences decide alone. Otherwise a pose must be borne out by the clouds' "
       "surfaces and by what each scan saw through, is ambiguous where they agree at another pose as well, and "
-      "where none is sure the front end is tried once more "
-      "with coarser voxels, and without --voxel a third time, for scans of few rings");
+      "where none stands the front end is tried up to three times more, with coarser voxels");
   command.add_option(
       "--noise-bound", options.noise_bound,
       "Largest distance of a true correspondence's target from the moved source, in the file's unit; about 3 "
@@ -196,7 +200,7 @@ void add_register_options(CLI::App& command, RegisterOptions& options) {
                      "a line, counted from 0 without comments");
   command.add_option(
       "--view", options.view,
-      "Write a page to look at the result in a browser, with WebGL and without network: clouds before and "
+      "Write a page, FILE.html, to look at the result in a browser, with WebGL and without network: clouds before and "
       "after the pose, inliers and outliers. It needs no pose");
   command.add_option("--picture", options.picture,
                      "Write the same as a drawing, FILE.svg, or FILE.png, which Python's matplotlib draws");

@@ -197,7 +197,7 @@ std::string run_text(const RegisterReport& report) {
       fmt::format_to(out, "best met      a pose with {} rows within {:.4g}\n", run.refused->support, run.noise_bound);
     }
     if (run.has_pose() || run.refused) {
-      fmt::format_to(out, "by chance     10^{:.1f} poses of such support expected\n", run.log10_false_poses);
+      fmt::format_to(out, "by chance     10^{:.1f} poses of such support expected at most\n", run.log10_false_poses);
     }
   }
   if (run.runner_up) fmt::format_to(out, "runner-up     another motion has {} inliers\n", run.runner_up->support);
@@ -368,8 +368,10 @@ std::string to_text(const RegisterReport& report) {
              : report.assumed_inliers ? "none"
                                       : "estimated",
              report.isa, report.threads, report.threads == 1 ? "" : "s") +
-         (report.clouds ? to_text(*report.clouds, report.cloud_arguments) : std::string()) + notes_text(report) +
-         (report.runs.size() == 1 ? run_text(report) : summary_text(report));
+         (report.clouds
+              ? to_text(*report.clouds, report.cloud_arguments, report.noise_bound != report.clouds->noise_bound)
+              : std::string()) +
+         notes_text(report) + (report.runs.size() == 1 ? run_text(report) : summary_text(report));
 }
 
 }  // namespace consimd::cli

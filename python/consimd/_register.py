@@ -86,7 +86,8 @@ class Registration:
     R_true = Exp(theta) R. At the origin of the source frame, so lever arms count. Zero without a pose, and from
     `tcf-published` and `teaser` with refine=False, which do not estimate it."""
     log10_false_poses: float
-    """log10 of the number of equally supported poses that chance lets expect. Success needs it well below 0."""
+    """log10 of an upper bound on the number of equally supported poses that chance lets expect. Success needs it below
+    -3; below -4.5 a quick look may have told it, and `log10_false_poses(...)` tells it closely."""
     runner_up: RunnerUp | None
     refused: RunnerUp | None
     """Without a pose: the most significant one that was met, which chance or structure gives as well; for those who have
@@ -302,6 +303,24 @@ def estimate_noise_bound(
             raise TypeError("estimate_noise_bound() needs a target, (N, 3)")
         source = Correspondences(source, target)
     return NoiseBoundEstimate(*_core.estimate_noise_bound(source, seed, threads))
+
+
+def log10_false_poses(
+    source: ArrayLike | Correspondences, target: ArrayLike | None = None, *, pose: ArrayLike, noise_bound: float
+) -> float:
+    """log10 of how many poses with the support of this one chance would give: what a close look tells of any pose.
+
+    source, target: as of `register`. pose: (4, 4), source to target. noise_bound: in the points' unit. Where
+    `Registration.log10_false_poses` is an upper bound, which a glance may have told, this is the number itself; it takes
+    some milliseconds. 0 where there are fewer than three rows. ValueError on a bad shape or value.
+    """
+    if not isinstance(source, Correspondences):
+        if target is None:
+            raise TypeError("log10_false_poses() needs a target, (N, 3)")
+        source = Correspondences(source, target)
+    elif target is not None:
+        raise TypeError("log10_false_poses() takes no target beside a Correspondences")
+    return _core.log10_false_poses(source, pose, noise_bound)
 
 
 def solvers() -> dict[str, str]:

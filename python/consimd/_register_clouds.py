@@ -41,8 +41,8 @@ def register_clouds(
     None: the noise bound is three times the clouds' resolution.
     verify: lets the clouds decide over the pose of their correspondences: their surfaces must agree better than at
     displaced poses, and neither scan may have seen through what the other has; a pose is ambiguous where the clouds agree
-    at another one as well, since a scene repeats itself. Where they bear no pose out, or leave it in
-    doubt, the front end is tried once more with coarser voxels, and a third time for scans of few rings without `voxel`.
+    at another one as well, since a scene repeats itself. Where they leave it in doubt the front end is tried once more
+    with coarser voxels, and up to three times where they bear no pose out. A pose of coarser voxels is refined on them.
     refine: refines the pose on the voxels of the clouds, within the noise bound, by a method of `features.refine`. Where
     that converges the registration has the refined pose and its covariance; inliers and status stay as they were. Its
     `refinement` tells how it went, its `verdict` what the clouds said.

@@ -30,9 +30,10 @@ def view(
 ) -> None:
     """Writes a picture of a registration, with a pose or without: points before and after it, inliers and outliers.
 
-    file: to write. Named *.svg or *.png it becomes a drawing, else one self-contained HTML page to look around in with a
+    file: to write. Named *.svg or *.png it becomes a drawing, *.html one self-contained page to look around in with a
         browser, as `consimd register --view` and `--picture` write them. PNG needs matplotlib; RuntimeError with what it
-        said if it cannot draw. The file appears whole or not at all; OSError or RuntimeError where it cannot be written.
+        said if it cannot draw. The file appears whole or not at all; OSError or RuntimeError where it cannot be written,
+        ValueError of another name.
     registration: what `register` or `register_clouds` returned.
     source, target: the (N, 3) correspondences that were registered; with `matches`, which `register_clouds` returned,
         the (N, 3) and (M, 3) clouds.
@@ -46,6 +47,8 @@ def view(
         rows = Correspondences(matches.source_points, matches.target_points)
         clouds = (source, target)
     path = os.fspath(file)
+    if not path.endswith((".html", ".htm", ".svg", ".png")):
+        raise ValueError(f"file: expected a name that ends with .html, .svg or .png, got {path!r}")
 
     def write(to: str, drawing: bool) -> None:
         _core.write_picture(to, drawing, registration, rows, clouds, missing, *names)

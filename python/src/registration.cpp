@@ -13,9 +13,11 @@
 #include <nanobind/stl/string_view.h>
 #include <nanobind/stl/vector.h>
 
+#include <consimd/poses/rigid_fit.hpp>
 #include <consimd/solvers/assumed_inliers.hpp>
 #include <consimd/solvers/edge_information.hpp>
 #include <consimd/solvers/noise_bound.hpp>
+#include <consimd/solvers/significance.hpp>
 #include <consimd/solvers/solver.hpp>
 
 #include "array_arguments.hpp"
@@ -108,6 +110,14 @@ nb::tuple estimate(const SharedCorrespondences& correspondences, std::uint64_t s
   return nb::make_tuple(result.noise_bound, result.log10_false_poses, result.bounds_tried);
 }
 
+double log10_false_poses(const SharedCorrespondences& correspondences, ArrayLike pose, double noise_bound) {
+  const auto rows = correspondences.rows;
+  const RigidTransform T_target_source = transform_from(pose, "pose");
+  const nb::gil_scoped_release unlocked;
+  return significance(*rows, to_working_pose(to_working_frame(T_target_source, *rows)), noise_bound, Scrutiny::close)
+      .log10_false_poses;
+}
+
 Array<double, 6, 6> information_of(
     ArrayLike pose, const nb::ndarray<const double, nb::shape<6, 6>, nb::c_contig, nb::device::cpu>& covariance,
     std::string_view library) {
@@ -156,6 +166,8 @@ void bind_registration(nb::module_& module) {
              nb::arg("options"));
   module.def("run_assumed_inliers", &run_assumed_inliers, nb::arg("correspondences"));
   module.def("estimate_noise_bound", &estimate, nb::arg("correspondences"), nb::arg("seed"), nb::arg("threads").none());
+  module.def("log10_false_poses", &log10_false_poses, nb::arg("correspondences"), nb::arg("pose"),
+             nb::arg("noise_bound"));
   module.def("edge_information", &information_of, nb::arg("pose"), nb::arg("covariance"), nb::arg("library"));
   module.def("describe_options", &describe_options, nb::arg("solver"));
   module.def("solvers", [] {

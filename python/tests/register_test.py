@@ -247,6 +247,22 @@ def test_map_coordinates_and_millimetres():
     assert consimd.synth.rmse_true_inliers(far, result.pose) < 300
 
 
+def test_a_close_look_tells_any_pose(problem):
+    result = consimd.register(problem.source, problem.target, 1.5)
+    close = consimd.log10_false_poses(problem.source, problem.target, pose=result.pose, noise_bound=1.5)
+    assert close < -10
+    order = np.random.default_rng(1).permutation(len(problem.source))
+    shuffled = consimd.Correspondences(problem.source[order], problem.target[order])
+    assert consimd.log10_false_poses(shuffled, pose=result.pose, noise_bound=1.5) == pytest.approx(close, rel=0.2)
+    assert consimd.log10_false_poses(shuffled, pose=np.eye(4), noise_bound=1.5) > -3
+    with pytest.raises(ValueError, match="noise_bound"):
+        consimd.log10_false_poses(shuffled, pose=result.pose, noise_bound=0)
+    with pytest.raises(ValueError, match="pose"):
+        consimd.log10_false_poses(shuffled, pose=np.ones((4, 4)), noise_bound=1.5)
+    with pytest.raises(TypeError, match="target"):
+        consimd.log10_false_poses(problem.source, pose=result.pose, noise_bound=1.5)
+
+
 def test_the_noise_bound_is_estimated(problem):
     estimate = consimd.estimate_noise_bound(problem.source, problem.target)
     assert estimate.noise_bound == pytest.approx(1.5, rel=0.3)

@@ -24,6 +24,12 @@ namespace {
 
 /// Files of two bytes a character have a mark, or zeros in every other byte, which no text of numbers has.
 void require_one_byte_characters(const std::filesystem::path& path, std::string_view text) {
+  if (text.starts_with("\x1F\x8B")) {
+    throw std::runtime_error(shown_name(path) + ": is compressed by gzip, expected text: unpack it with 'gunzip'");
+  }
+  if (text.starts_with("\x93NUMPY") || text.starts_with("PK\3\4")) {
+    throw std::runtime_error(shown_name(path) + ": is an array of NumPy, expected text: name its file *.npy or *.npz");
+  }
   if (text.starts_with("\xFF\xFE") || text.starts_with("\xFE\xFF") ||
       text.substr(0, 64).find('\0') != std::string_view::npos) {
     throw std::runtime_error(shown_name(path) +

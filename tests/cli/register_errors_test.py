@@ -23,10 +23,14 @@ class RegisterErrors(CommandTest):
             (good + "1 2 nan 4 5 6\n", "bad.txt:6: 'nan' is not finite"),
             (good + "1 2 3 4 inf 6\n", "bad.txt:6: 'inf' is not finite"),
             (bytes(range(256)) * 4, "bad.txt: is binary or UTF-16 text"),
+            (b"\x1f\x8b\x08\0", "bad.txt: is compressed by gzip, expected text: unpack it with 'gunzip'"),
+            (b"\x93NUMPY\1\0", "bad.txt: is an array of NumPy"),
         ):
             file = self.write("bad.txt", text)
             self.assert_error("register", file, "--noise-bound", 1, "--json", "out.json", says=says)
         self.assert_error("register", "none.txt", "--noise-bound", 1, says="none.txt: cannot read: No such file")
+        self.assert_error("register", "none.txt", "--noise-bound", "", says="--noise-bound: is empty, expected a number")
+        self.assert_error("register", "none.txt", "--view", "view.png", says="expected a FILE.html, got 'view.png'")
         self.assert_error("register", ".", "--noise-bound", 1, says="is a folder")
 
     def test_bad_options(self):

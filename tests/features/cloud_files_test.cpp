@@ -61,6 +61,10 @@ std::string pcd(const std::string& data, const std::string& rows) {
          data + "\n" + rows;
 }
 
+std::string lying(std::string bytes, const std::string& truth, const std::string& lie) {
+  return bytes.replace(bytes.find(truth), truth.size(), lie);
+}
+
 /// Field after field, in literal runs, and a run that repeats for the equal colours.
 std::string compressed_rows() {
   std::string fields[5];
@@ -294,9 +298,6 @@ TEST_F(CloudFiles, ThatEndEarlyAreFaults) {
 }
 
 TEST_F(CloudFiles, ThatPromiseTooMuchReserveNothing) {
-  const auto lying = [](std::string bytes, const std::string& truth, const std::string& lie) {
-    return bytes.replace(bytes.find(truth), truth.size(), lie);
-  };
   const std::string rows = binary_rows(false);
   for (const char* count : {"5", "4000000000", "18446744073709551615", "99999999999999999999", "-1", "many"}) {
     const std::string number(count);
@@ -359,6 +360,11 @@ TEST_F(CloudFiles, SayWhatIsWrong) {
   laz[104] = static_cast<char>(0x83);
   EXPECT_NE(fault("t.laz", laz).find("laspy decompress"), std::string::npos);
   EXPECT_NE(fault("t.e57", std::string("ASTM-E57\0\1", 10)).find("pdal translate"), std::string::npos);
+  EXPECT_NE(fault("t.csv.gz", std::string("\x1F\x8B\x08\0\1", 5)).find("gunzip"), std::string::npos);
+  const std::string four_points = pcd("ascii", "");
+  EXPECT_NE(fault("h.pcd", lying(four_points, "HEIGHT 2", "HEIGHT 3")).find("POINTS 4 is not WIDTH 2 times HEIGHT 3"),
+            std::string::npos);
+  EXPECT_NE(fault("h.pcd", lying(four_points, "COUNT 1 1", "COUNT 1 0")).find("COUNT 0"), std::string::npos);
   const std::string array_of_rows = npy("<f4", false, array<float>(false, false));
   EXPECT_NE(fault("n.npz", zip("a.txt", 0, "1 2 3", "1 2 3")).find("a.txt: not an array"), std::string::npos);
   EXPECT_NE(fault("n.npz", zip("xyz.npy", 0, array_of_rows, array_of_rows.substr(1) + "x")).find("checksum"),

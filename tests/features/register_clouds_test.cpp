@@ -193,6 +193,15 @@ TEST(RegisterClouds, HintsAtDifferentUnits) {
       std::string::npos);
 }
 
+TEST(RegisterClouds, HintsAtVoxelsThatHoldAPointEach) {
+  features::CloudMatchingOptions options;
+  options.voxel = 1e-4;
+  const features::CloudMatches found =
+      features::match_clouds(cloud_of(room(3000, 1)), cloud_of(room(3000, 2)), options);
+  EXPECT_TRUE(found.matches.empty());
+  EXPECT_NE(found.hint.find("a voxel of 0.0001 is too small, "), std::string::npos);
+}
+
 Cloud read_kitti(const std::filesystem::path& path) {
   std::ifstream file(path, std::ios::binary);
   std::vector<float> rows(std::filesystem::file_size(path) / sizeof(float));

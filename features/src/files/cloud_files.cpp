@@ -82,6 +82,9 @@ Coordinates read_points(std::string_view bytes, const std::filesystem::path& pat
   if (bytes.starts_with("ASTM-E57")) {
     throw FileFault("an E57 file, which is not read: convert it with 'pdal translate FILE.e57 FILE.las'");
   }
+  if (bytes.starts_with("\x1F\x8B")) {
+    throw FileFault("compressed by gzip, which is not read: unpack it with 'gunzip', or read 'gunzip -c FILE' as '-'");
+  }
   if (bytes.starts_with("\xFF\xFE") || bytes.starts_with("\xFE\xFF")) {
     throw FileFault("UTF-16 text, expected UTF-8 or ASCII: convert it with 'iconv -f UTF-16 -t UTF-8'");
   }

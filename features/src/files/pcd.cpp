@@ -60,11 +60,17 @@ NumberType number_type(std::string_view type, std::size_t size) {
 }
 
 std::size_t number_of_points(const Header& header) {
-  if (!header.points.empty()) return parse_count(header.points, "POINTS");
+  if (!header.points.empty() && (header.width.empty() || header.height.empty())) {
+    return parse_count(header.points, "POINTS");
+  }
   const std::size_t width = parse_count(header.width, "WIDTH");
   const std::size_t height = parse_count(header.height, "HEIGHT");
   std::size_t count = 0;
   if (__builtin_mul_overflow(width, height, &count)) throw FileFault("header: WIDTH times HEIGHT is too large");
+  if (!header.points.empty() && parse_count(header.points, "POINTS") != count) {
+    throw FileFault("header: POINTS " + text::shown(header.points) + " is not WIDTH " + text::shown(header.width) +
+                    " times HEIGHT " + text::shown(header.height));
+  }
   return count;
 }
 
@@ -84,6 +90,7 @@ struct Layout {
       if (size > 8 || repeated > kLargest) throw FileFault("header: a field of too large a SIZE or COUNT");
       for (std::size_t c = 0; c < 3; ++c) {
         if (header.fields[f].size() != 1 || header.fields[f][0] != "xyz"[c]) continue;
+        if (repeated == 0) throw FileFault("header: COUNT 0 of a coordinate");
         columns[c] = {by_field ? record * count : record, by_field ? size : 0, number_type(header.types[f], size)};
         places[c] = place;
         there[c] = true;

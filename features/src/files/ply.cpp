@@ -95,7 +95,7 @@ Coordinates read_ply(std::string_view bytes) {
     for (std::size_t k = 0; k < element.properties.size(); ++k) {
       const Property& property = element.properties[k];
       for (std::size_t c = 0; c < 3; ++c) {
-        if (property.name.size() != 1 || property.name[0] != "xyz"[c]) continue;
+        if (property.name.size() != 1 || (property.name[0] | 0x20) != "xyz"[c]) continue;
         columns[c] = {offset, element.size(), property.type};
         places[c] = k;
         there[c] = true;

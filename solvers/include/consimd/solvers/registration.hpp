@@ -62,8 +62,10 @@ struct Registration {
   PoseCovariance covariance = PoseCovariance::Zero();
   /// Rows within `noise_bound` of the pose, ascending, copies of one another included. Empty when there is no pose.
   std::vector<std::uint32_t> inliers;
-  /// log10 of the number of equally supported poses expected by chance (see significance.hpp). Success needs
-  /// it below the solver's limit. Without a pose it is that of the best one met, 0 where none was.
+  /// log10 of an upper bound on the number of equally supported poses expected by chance (see significance.hpp).
+  /// Success needs it below the solver's limit; from 10^-4.5 on a glance may have told it, of which more is not asked:
+  /// the same pose may have -5 or -50. `significance` at Scrutiny::close tells it to a few hundredths of itself.
+  /// Without a pose it is that of the best one met, 0 where none was.
   double log10_false_poses = 0.0;
   /// The best pose of another motion that the search met, where it is significant. One with four fifths of the support
   /// is met nearly as surely as the best pose. Two rigid motions, or an object that is its own image when turned, show
