@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Makes up pairs of scans of places that no solver was made on, for front_ends.py.
+"""Makes up pairs of scans, of one place or of different ones, for front_ends.py.
 
 made_up_scans.py FOLDER [--kinds KIND...] [--count N] [--seed S]
 
@@ -23,13 +23,19 @@ def turned_about_z(yaw):
     return np.array([[np.cos(yaw), -np.sin(yaw), 0], [np.sin(yaw), np.cos(yaw), 0], [0, 0, 1]])
 
 
-# Shapes: distances from `origin` along unit `rays` (N x 3) to where these meet the surface, NEVER where they do not.
+CLEAR = 0.5  # metres about a viewpoint without a shape
+
+# Shapes: distances from `origin` along unit `rays` (N x 3) to where these meet the surface, NEVER where they do not; and
+# whether a point is within them, or nearly so.
 
 
 @dataclasses.dataclass
 class Ground:
     def distances(self, origin, rays, _):
         return np.where(rays[:, 2] < 0, -origin[2] / rays[:, 2], NEVER)
+
+    def holds(self, _):
+        return False
 
 
 @dataclasses.dataclass
@@ -46,7 +52,11 @@ class Box:
         enter, leave = np.minimum(low, high).max(1), np.maximum(low, high).min(1)
         if self.seen_from_within:
             return np.where(leave > 0, leave, NEVER)
-        return np.where((enter < leave) & (enter > 0.3), enter, NEVER)
+        return np.where((enter < leave) & (enter > 0), enter, NEVER)
+
+    def holds(self, point):
+        off = turned_about_z(-self.yaw) @ (point - self.centre)
+        return not self.seen_from_within and bool((np.abs(off) < np.asarray(self.size) / 2 + CLEAR).all())
 
 
 @dataclasses.dataclass
@@ -60,7 +70,10 @@ class Trunk:
         a, b, c = (rays[:, :2] ** 2).sum(1), rays[:, :2] @ off, off @ off - self.radius**2
         t = (-b - np.sqrt(b * b - a * c)) / a
         z = origin[2] + t * rays[:, 2]
-        return np.where((t > 0.3) & (z > 0) & (z < self.height), t, NEVER)
+        return np.where((t > 0) & (z > 0) & (z < self.height), t, NEVER)
+
+    def holds(self, point):
+        return bool(np.linalg.norm(point[:2] - self.place) < self.radius + CLEAR)
 
 
 @dataclasses.dataclass
@@ -74,7 +87,10 @@ class Crown:
         off = origin - self.centre
         b, c = rays @ off, off @ off - self.radius**2
         t = -b - np.sqrt(b * b - c)
-        return np.where(t > 0.3, t + rng.uniform(0, self.radius / 2, len(rays)), NEVER)
+        return np.where(t > 0, t + rng.uniform(0, self.radius / 2, len(rays)), NEVER)
+
+    def holds(self, point):
+        return bool(np.linalg.norm(point - self.centre) < self.radius + CLEAR)
 
 
 def tree(place, rng, crowns):
@@ -227,6 +243,7 @@ def main():
             rng = np.random.default_rng([arguments.seed, list(KINDS).index(name), number])
             shapes = kind.place(rng)
             origins, yaws = viewpoints(name, shapes, number, rng)
+            shapes = [shape for shape in shapes if not any(shape.holds(origin) for origin in origins)]
             files = [f"{name}_{number}_{side}.bin" for side in ("source", "target")]
             for file, origin, yaw in zip(files, origins, yaws):
                 points = kind.scanner.scan(shapes, origin, yaw, rng)

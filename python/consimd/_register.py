@@ -133,7 +133,8 @@ class Registration:
     verdict: CloudVerdict | None = None
     """Of `register_clouds`, where the clouds were to decide."""
     attempts: int = 1
-    """Of `register_clouds`: of the front end; all else is of the one whose pose is the less likely by chance."""
+    """Of `register_clouds`: of the front end; all else is of the one whose pose is least likely by chance, or where none is
+    borne out of the first, or of one that shows that the scene repeats itself or that the clouds are of two scales."""
 
     @property
     def has_pose(self) -> bool:
@@ -164,7 +165,7 @@ class Registration:
     def __repr__(self) -> str:
         found = (
             f"{len(self.inliers)} of {self.correspondences} correspondences within {self.noise_bound:.4g} of the pose, "
-            f"by chance 10^{self.log10_false_poses:.1f} such poses"
+            f"by chance at most 10^{self.log10_false_poses:.1f} such poses"
             if self.has_pose
             else f"no pose for {self.correspondences} correspondences and noise bound {self.noise_bound:.4g}"
         )
@@ -311,8 +312,9 @@ def log10_false_poses(
     """log10 of how many poses with the support of this one chance would give: what a close look tells of any pose.
 
     source, target: as of `register`. pose: (4, 4), source to target. noise_bound: in the points' unit. Where
-    `Registration.log10_false_poses` is an upper bound, which a glance may have told, this is the number itself; it takes
-    some milliseconds. 0 where there are fewer than three rows. ValueError on a bad shape or value.
+    `Registration.log10_false_poses` is an upper bound, which a glance may have told, this is a close look; it takes some
+    milliseconds. It knows no scale, and no factor of bounds that were tried. 0 where there are fewer than three rows.
+    ValueError on a bad shape or value.
     """
     if not isinstance(source, Correspondences):
         if target is None:

@@ -47,14 +47,15 @@ def view(
         rows = Correspondences(matches.source_points, matches.target_points)
         clouds = (source, target)
     path = os.fspath(file)
-    if not path.endswith((".html", ".htm", ".svg", ".png")):
-        raise ValueError(f"file: expected a name that ends with .html, .svg or .png, got {path!r}")
+    ending = os.path.splitext(path)[1].lower()
+    if ending not in (".html", ".htm", ".svg", ".png"):
+        raise ValueError(f"file: expected a name that ends with .html, .htm, .svg or .png, got {path!r}")
 
     def write(to: str, drawing: bool) -> None:
         _core.write_picture(to, drawing, registration, rows, clouds, missing, *names)
 
-    if not path.endswith(".png"):
-        write(path, path.endswith(".svg"))
+    if ending != ".png":
+        write(path, ending == ".svg")
         return
     # Beside the file, so that it can take its name at once.
     with tempfile.TemporaryDirectory(prefix=".consimd-", dir=os.path.dirname(path) or ".") as folder:

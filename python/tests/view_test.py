@@ -66,6 +66,8 @@ def test_png_without_matplotlib_leaves_nothing(problem, tmp_path, monkeypatch):
 
 def test_errors_name_what_is_wrong(problem, tmp_path):
     result = consimd.register(problem.source, problem.target, 0.6)
+    with pytest.raises(ValueError, match=r"ends with \.html, \.htm, \.svg or \.png, got 'view\.jpg'"):
+        consimd.view("view.jpg", result, problem.source, problem.target)
     with pytest.raises(RuntimeError, match="no/view.html: cannot write"):
         consimd.view(tmp_path / "no/view.html", result, problem.source, problem.target)
     with pytest.raises(ValueError, match="is none of the picture's 3 correspondences"):

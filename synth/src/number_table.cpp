@@ -28,7 +28,8 @@ void require_one_byte_characters(const std::filesystem::path& path, std::string_
     throw std::runtime_error(shown_name(path) + ": is compressed by gzip, expected text: unpack it with 'gunzip'");
   }
   if (text.starts_with("\x93NUMPY") || text.starts_with("PK\3\4")) {
-    throw std::runtime_error(shown_name(path) + ": is an array of NumPy, expected text: name its file *.npy or *.npz");
+    throw std::runtime_error(shown_name(path) +
+                             ": is of NumPy or a zip archive, expected text: name a file of arrays *.npy or *.npz");
   }
   if (text.starts_with("\xFF\xFE") || text.starts_with("\xFE\xFF") ||
       text.substr(0, 64).find('\0') != std::string_view::npos) {

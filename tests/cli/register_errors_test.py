@@ -24,7 +24,7 @@ class RegisterErrors(CommandTest):
             (good + "1 2 3 4 inf 6\n", "bad.txt:6: 'inf' is not finite"),
             (bytes(range(256)) * 4, "bad.txt: is binary or UTF-16 text"),
             (b"\x1f\x8b\x08\0", "bad.txt: is compressed by gzip, expected text: unpack it with 'gunzip'"),
-            (b"\x93NUMPY\1\0", "bad.txt: is an array of NumPy"),
+            (b"\x93NUMPY\1\0", "bad.txt: is of NumPy or a zip archive"),
         ):
             file = self.write("bad.txt", text)
             self.assert_error("register", file, "--noise-bound", 1, "--json", "out.json", says=says)

@@ -361,6 +361,8 @@ TEST_F(CloudFiles, SayWhatIsWrong) {
   EXPECT_NE(fault("t.laz", laz).find("laspy decompress"), std::string::npos);
   EXPECT_NE(fault("t.e57", std::string("ASTM-E57\0\1", 10)).find("pdal translate"), std::string::npos);
   EXPECT_NE(fault("t.csv.gz", std::string("\x1F\x8B\x08\0\1", 5)).find("gunzip"), std::string::npos);
+  const std::string capitals = lying(ply("ascii", text_rows(" ", " 1 1")), "property float y", "property float Y");
+  EXPECT_EQ(fault("c.ply", capitals), "nothing");
   const std::string four_points = pcd("ascii", "");
   EXPECT_NE(fault("h.pcd", lying(four_points, "HEIGHT 2", "HEIGHT 3")).find("POINTS 4 is not WIDTH 2 times HEIGHT 3"),
             std::string::npos);

@@ -11,6 +11,8 @@
 #include <string>
 #include <string_view>
 
+#include <Eigen/Core>
+
 #include "problems.hpp"
 
 namespace consimd::test {
@@ -128,6 +130,45 @@ TEST(AnotherScale, OfOneAxisIsHardlyEverASuccessWithoutABound) {
 }
 
 // A board whose points were measured with errors in depth alone is no flattened one.
+// Sixty rows in a cube of 10 m, with 1 cm of noise, whose sources a map has moved.
+Correspondences mapped_by(const Eigen::Matrix3d& map, std::uint64_t trial) {
+  Problem problem = synth::hard_problem(
+      {.correspondences = 60, .outlier_ratio = 0.0, .sigma = 0.01, .half_extent = 5.0, .trial = trial});
+  for (std::size_t k = 0; k < problem.size(); ++k) {
+    Eigen::Map<Eigen::Vector3d> point(problem.source.data() + 3 * k);
+    point = (map * point).eval();
+  }
+  return problem.correspondences();
+}
+
+TEST(AnotherScale, OfAnAxisWithinAGivenBoundIsNoSuccess) {
+  Eigen::Matrix3d shear = Eigen::Matrix3d::Identity();
+  shear(0, 2) = 0.1;
+  const Eigen::Matrix3d axis = Eigen::Vector3d(1.2, 1.0, 1.0).asDiagonal();
+  for (std::uint64_t trial = 0; trial < trials(20); ++trial) {
+    for (const char* solver : kSolvers) {
+      const SolverOptions options{.noise_bound = 1.0, .seed = trial};
+      EXPECT_NE(register_by_name(solver, mapped_by(shear, trial), options).status, Status::success) << solver;
+      EXPECT_NE(register_by_name(solver, mapped_by(axis, trial), options).status, Status::success) << solver;
+      const Correspondences rigid = mapped_by(Eigen::Matrix3d::Identity(), trial);
+      EXPECT_EQ(register_by_name(solver, rigid, options).status, Status::success) << solver;
+    }
+  }
+}
+
+// A scale that is asked for is no distortion, though a rigid motion leaves some of it.
+TEST(AnotherScale, ThatIsEstimatedIsNoDistortion) {
+  for (std::uint64_t trial = 0; trial < trials(20); ++trial) {
+    const Correspondences rows = mapped_by(1.05 * Eigen::Matrix3d::Identity(), trial);
+    for (const char* solver : {"pcr99", "teaser"}) {
+      const Registration result =
+          register_by_name(solver, rows, {.noise_bound = 1.0, .seed = trial, .estimate_scale = true});
+      EXPECT_EQ(result.status, Status::success) << solver;
+      EXPECT_NEAR(result.scale, 1.0 / 1.05, 0.005) << solver;
+    }
+  }
+}
+
 TEST(AnotherScale, OfAnAxisIsNotWhatNoiseInDepthOfABoardLooksLike) {
   std::mt19937_64 random(1);
   std::normal_distribution<double> depth(0.0, 0.05);

@@ -64,12 +64,14 @@ std::string hint_of(double source_extent, double target_extent) {
          " times as long as the other: are both in the same unit?";
 }
 
-/// Of clouds whose points have no others about them, within the radii that go with a voxel.
+/// Of clouds that voxels thin out so little that hardly any has others near it, within the radii that go with them.
 std::string hint_of_small_voxels(const Cloud& source, const Cloud& target, const CloudMatches& found) {
   if (found.source.descriptors > 0 && found.target.descriptors > 0) return {};
+  const double suited = std::max(choose_voxel(source), choose_voxel(target));
+  if (suited <= found.voxel) return {};
   return "of " + std::to_string(found.source.voxels) + " and " + std::to_string(found.target.voxels) +
-         " voxels hardly any has others near it: a voxel of " + shown(found.voxel) + " is too small, " +
-         shown(std::max(choose_voxel(source), choose_voxel(target))) + " would suit the clouds";
+         " voxels hardly any has others near it: a voxel of " + shown(found.voxel) + " is too small, " + shown(suited) +
+         " would suit the clouds";
 }
 
 double voxel_of(const Cloud& source, const Cloud& target, const CloudMatchingOptions& options) {
@@ -211,7 +213,7 @@ CloudMatches match_clouds(const Cloud& source, const Cloud& target, const CloudM
     side.summary.descriptors = side.descriptors.size();
     return std::pair(side.grid->size(), side.descriptors.size());
   });
-  if (options.voxel && result.hint.empty()) result.hint = hint_of_small_voxels(source, target, result);
+  if (options.voxel && !options.iss && result.hint.empty()) result.hint = hint_of_small_voxels(source, target, result);
   stages.time("matches", [&] {
     result.matches = match(of_source.descriptors.values, of_target.descriptors.values, of_source.descriptors.length,
                            options.matches);

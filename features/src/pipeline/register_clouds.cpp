@@ -55,7 +55,7 @@ bool is_decided(const CloudRegistration& found) {
   return found.registration.status == Status::ambiguous && has_equal_rival(evidence);
 }
 
-/// The voxel of another attempt, coarser than that of the last of so many.
+/// The voxel of another attempt, coarser than that of the last one. attempts: made so far.
 double coarser_than(double voxel, const Cloud& source, const Cloud& target, const CloudRegistrationOptions& options,
                     std::uint32_t attempts) {
   const double coarser = kCoarser * voxel;
@@ -69,26 +69,33 @@ double coarser_than(double voxel, const Cloud& source, const Cloud& target, cons
 /// part of them that the first ones would not be.
 CloudRegistration verified(const Cloud& source, const Cloud& target, const CloudRegistrationOptions& options) {
   CloudRegistration best = attempt(source, target, options);
-  double voxel = best.matches.voxel;
+  if (!options.verify) return best;
+  const double first = best.matches.voxel;
+  double voxel = first;
   double needed = kBeyondDoubt;
-  std::optional<RigidTransform> led_to = options.verify ? best.verdict->led_to : std::nullopt;
-  const double first = voxel;
-  bool decided = options.verify && is_decided(best);
-  for (std::uint32_t attempts = 1; options.verify && attempts < kMostAttempts; ++attempts) {
+  std::optional<RigidTransform> led_to = best.verdict->led_to;
+  bool decided = is_decided(best);
+  std::size_t voxels = std::min(best.matches.source.voxels, best.matches.target.voxels);
+  for (std::uint32_t attempts = 1; attempts < kMostAttempts; ++attempts) {
     if (best.verdict->log10_of_both < needed || best.registration.stopped || decided) break;
     // Clouds of a few voxels would be left with none.
-    if (std::min(best.matches.source.voxels, best.matches.target.voxels) < kFewVoxels) break;
+    if (voxels < kFewVoxels) break;
     voxel = coarser_than(voxel, source, target, options, attempts);
     CloudRegistrationOptions another = options;
     another.matching.voxel = voxel;
     CloudRegistration found = attempt(source, target, another, led_to);
     if (found.verdict->led_to) led_to = found.verdict->led_to;
     decided = is_decided(found);
-    if (decided || found.verdict->log10_of_both < best.verdict->log10_of_both) best = std::move(found);
+    voxels = std::min(found.matches.source.voxels, found.matches.target.voxels);
+    const bool stopped = found.registration.stopped;
+    const bool tells_more = decided && best.verdict->log10_of_both >= 0.0;
+    if (tells_more || found.verdict->log10_of_both < best.verdict->log10_of_both) best = std::move(found);
+    best.registration.stopped = best.registration.stopped || stopped;
     best.attempts = attempts + 1;
     needed = 0.0;
   }
-  if (best.matches.voxel > first && best.registration.has_pose() && !best.verdict->found_by_clouds) {
+  const bool is_coarse = best.matches.voxel > first && !best.verdict->found_by_clouds;
+  if (is_coarse && best.registration.has_pose() && !options.refine) {
     refine_registration(best.matches, RefinementMethod::plane, best.registration);
   }
   return best;

@@ -43,9 +43,9 @@ constexpr double kLeastRivalScore = 0.5;
 constexpr double kDisplacedAreSeenThrough = 0.1;
 
 // Displaced poses that agree at less than this part of the samples hardly meet a surface, as of an object in an empty
-// room: how rare an agreement is they cannot tell beyond what their number does, and not at all without
-// correspondences. Of 107 right poses that clouds alone bear out each has 0.041 of it; of seven wrong ones, of objects
-// turned round and cropped scans, all have 0.025 or less.
+// room. Their tail then says little of how rare an agreement is: it counts as what clouds alone have to show (kOnce),
+// and without correspondences for nothing. Of 107 right poses that clouds alone bear out each has 0.041 of it or more;
+// of seven wrong ones, of objects turned round and cropped scans, all have 0.025 or less.
 constexpr double kDisplacedMeet = 0.03;
 constexpr double kLeastChanceUnmet = -4.0;
 
@@ -74,6 +74,12 @@ double displaced_share_seen_through(const PoseEvidence& evidence) {
 bool is_seen_through(const PoseEvidence& evidence) {
   return share_seen_through(evidence.agreement, evidence.seen_through) > kSeenThrough ||
          share_seen_through(evidence.fitted_agreement, evidence.fitted_seen_through) > kFittedSeenThrough;
+}
+
+/// log10 of the chance of a pose's agreement, as far as displaced poses can tell it.
+double counted_chance(const PoseEvidence& evidence) {
+  const bool is_met = evidence.displaced_agreement >= kDisplacedMeet;
+  return is_met ? evidence.log10_chance : std::max(evidence.log10_chance, kLeastChanceUnmet);
 }
 
 /// Rows within the noise bound, ascending.
@@ -183,19 +189,21 @@ bool has_rival_in_doubt(const PoseEvidence& evidence) {
 void choose(const PoseVerifier& verifier, const Correspondences& correspondences, const RunnerUp& found,
             Registration& registration, CloudVerdict& verdict) {
   const bool has_pose = registration.has_pose();
-  const bool stands = is_borne_out(*verdict.pose, found.log10_false_poses);
+  // A pose that the correspondences refuse is none where the clouds leave it in doubt as well.
+  const bool stands =
+      is_borne_out(*verdict.pose, found.log10_false_poses) && (has_pose || !has_rival_in_doubt(*verdict.pose));
   bool runner_up_stands = false;
   if (has_pose && registration.runner_up) {
     verdict.runner_up = verifier.evidence(registration.runner_up->T_target_source);
     runner_up_stands = is_borne_out(*verdict.runner_up, registration.runner_up->log10_false_poses);
   }
-  if (stands) verdict.log10_of_both = verdict.pose->log10_chance + found.log10_false_poses;
-  if (!has_pose && stands && !has_rival_in_doubt(*verdict.pose)) {
+  if (stands) verdict.log10_of_both = counted_chance(*verdict.pose) + found.log10_false_poses;
+  if (!has_pose && stands) {
     take(found, correspondences, registration);
     registration.refused.reset();
   } else if (has_pose && !stands && runner_up_stands) {
     const RunnerUp other = *registration.runner_up;
-    verdict.log10_of_both = verdict.runner_up->log10_chance + other.log10_false_poses;
+    verdict.log10_of_both = counted_chance(*verdict.runner_up) + other.log10_false_poses;
     take(other, correspondences, registration);
     registration.runner_up.reset();
     std::swap(verdict.pose, verdict.runner_up);  // what the verdict tells is of the pose that is taken
@@ -236,7 +244,7 @@ void take_if_borne_out(const Followed& followed, const PoseVerifier& verifier, c
   registration.runner_up.reset();
   verdict.runner_up = std::exchange(verdict.pose, evidence);
   // Correspondences that speak against it do not count against clouds that bear it out alone.
-  verdict.log10_of_both = evidence.log10_chance + std::min(other.log10_false_poses, 0.0);
+  verdict.log10_of_both = counted_chance(evidence) + std::min(other.log10_false_poses, 0.0);
   verdict.found_by_clouds = true;
 }
 
@@ -264,8 +272,7 @@ bool has_equal_rival(const PoseEvidence& evidence) noexcept {
 }
 
 bool is_borne_out(const PoseEvidence& evidence, double log10_false_poses) noexcept {
-  const bool is_met = evidence.displaced_agreement >= kDisplacedMeet;
-  const double log10_chance = is_met ? evidence.log10_chance : std::max(evidence.log10_chance, kLeastChanceUnmet);
+  const double log10_chance = counted_chance(evidence);
   return evidence.samples > 0 && !is_seen_through(evidence) && !is_of_another_scale(evidence) &&
          log10_chance <= kLeastChance && log10_chance + log10_false_poses <= kLeastOfBoth;
 }

@@ -6,6 +6,7 @@
 
 #include <consimd/solvers/threads.hpp>
 
+#include "call/distinct_rows.hpp"
 #include "call/refusal.hpp"
 #include "call/stage_clock.hpp"
 #include "noise_bound/bound_attempts.hpp"
@@ -100,6 +101,15 @@ void refuse_by_its_bound(const Correspondences& correspondences, Registration& r
   }
 }
 
+// A distortion within a given bound. Copies tell no more of it than the row that they are copies of.
+void refuse_distorted(const Correspondences& correspondences, Registration& result) {
+  if (!result.has_pose()) return;
+  const detail::DistinctRows distinct(correspondences);
+  if (detail::hides_a_distortion(distinct.correspondences(), result.T_target_source, result.noise_bound)) {
+    detail::refuse(result);
+  }
+}
+
 // A degenerate pose may be that of one place, seen again and again.
 bool found_nothing(const Registration& result) {
   return result.status == Status::no_consensus || result.status == Status::degenerate_geometry;
@@ -137,6 +147,7 @@ void try_independent_rows_at(double noise_bound, const SolverCall& solver, const
   Registration other = run(solver, correspondences.subset(rows), noise_bound, kTries, options);
   note_stop(other.stopped, result);
   detail::bring_to_all_rows(correspondences, kTries, other);
+  refuse_distorted(correspondences, other);
   if (!other.has_pose()) result.seconds += other.seconds;
   fall_back_on(std::move(other), result);
 }
@@ -145,11 +156,9 @@ Registration register_in_arena(const SolverCall& solver, const Correspondences& 
                                const SolverOptions& options) {
   if (options.noise_bound) {
     Registration result = run(solver, correspondences, *options.noise_bound, 1, options);
+    if (!options.estimate_scale) refuse_distorted(correspondences, result);
     if (!result.stopped && found_nothing(result) && !options.estimate_scale) {
       try_independent_rows_at(*options.noise_bound, solver, correspondences, options, result);
-    }
-    if (result.has_pose() && detail::hides_a_distortion(correspondences, result.T_target_source, result.noise_bound)) {
-      detail::refuse(result);
     }
     return result;
   }

@@ -3,6 +3,11 @@
 #include "support/points.hpp"
 
 namespace consimd::detail {
+namespace {
+
+constexpr double kExplained = 2.0;  // noise bounds within which a pose explains a row
+
+}  // namespace
 
 BestPoses::BestPoses(const Correspondences& correspondences, double noise_bound)
     : correspondences_(&correspondences), noise_bound_(noise_bound) {}
@@ -10,7 +15,7 @@ BestPoses::BestPoses(const Correspondences& correspondences, double noise_bound)
 bool BestPoses::explains(const PoseCandidate& candidate, std::uint32_t row) const {
   const CorrespondenceView view = correspondences_->view();
   return candidate.support.count >= 3 && distance(moved(candidate.pose, source_point(view, row)),
-                                                  target_point(view, row)) < kSameMotion * noise_bound_ * view.scale();
+                                                  target_point(view, row)) < kExplained * noise_bound_ * view.scale();
 }
 
 void BestPoses::set_best(const PoseCandidate& candidate) {

@@ -6,8 +6,9 @@
 
 namespace consimd::detail {
 
-/// Whether a noise bound that was estimated from the rows is as large as it is because an affine map, an axis in
-/// another unit, lies between the clouds: what hides_another_scale asks of a similarity. Caller's frame and unit.
+/// Whether an affine map, an axis in another unit or a shear, lies between the clouds, which a noise bound is large
+/// enough to hide: what hides_another_scale asks of a similarity. Of a motion, without a scale. Caller's frame and
+/// unit.
 bool hides_a_distortion(const Correspondences& correspondences, const RigidTransform& T_target_source,
                         double noise_bound);
 

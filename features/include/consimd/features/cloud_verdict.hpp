@@ -44,19 +44,22 @@ struct CloudVerdict {
 
 /// Whether clouds bear a pose out: it is seen through in few places, agrees better than chance gives and at one scale,
 /// and the poses that correspondences give by chance (log10 of their number, as in Registration) times the chance that
-/// one of these agrees as well is small.
+/// one of these agrees as well is small. Where displaced poses hardly meet a surface that chance counts as 10^-4 at the
+/// least.
 [[nodiscard]] bool is_borne_out(const PoseEvidence& evidence, double log10_false_poses) noexcept;
 
 /// Holds the pose and its rival against the clouds and lets these decide: a pose that they do not bear out becomes
 /// `no_consensus`, of two that fit the correspondences alike the one that they bear out is the `success`, as is one
-/// that had too few correspondences alone. The pose is refined on the correspondences where it was not theirs. A pose
-/// from which the clouds cannot tell another one of theirs is `ambiguous`, with that one as the runner-up.
+/// that had too few correspondences alone, if no rival of about its score is left in doubt. The pose is refined on the
+/// correspondences where it was not theirs. A pose from which the clouds cannot tell another one of theirs is
+/// `ambiguous`, with that one as the runner-up.
 ///
 /// Where that leaves no pose, or one with an equal rival, the clouds lead on: the pose is fitted to the surfaces, and
 /// its rival followed while that is the better one. What they lead to is the `success` where it is borne out, alone or
-/// together with the correspondences, has no equal rival and three rows that support it; it stays where the surfaces
-/// have it, with the rows that support it there and the covariance that the correspondences give near it. Clouds
-/// without surfaces decide nothing. Adds the stage "verification": samples, those that agree, poses tried.
+/// together with the correspondences, has no rival of about its score that is left in doubt, and three rows that
+/// support it; it stays where the surfaces have it, with the rows that support it there and the covariance that the
+/// correspondences give near it. Clouds without surfaces decide nothing. Adds the stage "verification": samples, those
+/// that agree, poses tried.
 ///
 /// `registration` is one of `correspondences`, whose rows are points of the verifier's clouds: poses are in the
 /// caller's frames, its noise bound in the caller's unit. One without a pose and without a refused one stays as it is,

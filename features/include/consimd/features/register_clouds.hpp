@@ -27,7 +27,8 @@ struct CloudRegistrationOptions {
   StopCondition stop = {};  ///< ends the search among the matches early; there is no further attempt then
   /// Let the clouds decide over the pose of their correspondences (see cloud_verdict.hpp). Where they leave it in doubt
   /// the front end is tried once more with voxels of one and a half times the side, and where they bear none out up to
-  /// three times, each with voxels that much larger. A pose of larger voxels is refined on them, point to plane.
+  /// three times, each with voxels at least that much larger. A pose of larger voxels is refined on them, point to
+  /// plane; inliers and what the clouds said stay those of the pose before.
   bool verify = true;
   /// How the pose is refined on the clouds, if at all (see refinement.hpp).
   std::optional<RefinementMethod> refine = std::nullopt;
@@ -38,8 +39,9 @@ struct CloudRegistration {
   Registration registration;  ///< inliers are rows of matches.correspondences
   /// Where the clouds were to decide.
   std::optional<CloudVerdict> verdict = std::nullopt;
-  std::size_t attempts = 1;  ///< of the front end; all else is of the one whose pose is least likely by chance, or the
-                             ///< first where none is borne out
+  /// Of the front end; all else is of the one whose pose is least likely by chance. Where none is borne out it is the
+  /// first, or one that shows that the scene repeats itself or that the clouds are of two scales.
+  std::size_t attempts = 1;
   /// Where it was asked for and there was a pose to start from.
   std::optional<Refinement> refinement = std::nullopt;
 };

@@ -63,16 +63,16 @@ struct Registration {
   /// Rows within `noise_bound` of the pose, ascending, copies of one another included. Empty when there is no pose.
   std::vector<std::uint32_t> inliers;
   /// log10 of an upper bound on the number of equally supported poses expected by chance (see significance.hpp).
-  /// Success needs it below the solver's limit; from 10^-4.5 on a glance may have told it, of which more is not asked:
-  /// the same pose may have -5 or -50. `significance` at Scrutiny::close tells it to a few hundredths of itself.
-  /// Without a pose it is that of the best one met, 0 where none was.
+  /// Success needs it below the solver's limit; at -4.5 or below a glance may have told it, which asks no more: the
+  /// same pose may have -5 or -50. `significance` at Scrutiny::close tells it closely, but for the factor of bounds
+  /// that were tried. Without a pose it is that of the best one met, 0 where none was.
   double log10_false_poses = 0.0;
   /// The best pose of another motion that the search met, where it is significant. One with four fifths of the support
   /// is met nearly as surely as the best pose. Two rigid motions, or an object that is its own image when turned, show
   /// here. Of two clouds it may be a pose at which these agree as well, with few rows (see cloud_verdict.hpp).
   std::optional<RunnerUp> runner_up;
   /// Without a pose: the most significant one that was met, which chance or structure gives as well; for those who have
-  /// other evidence. None where it is a mirror image, at another scale or undetermined.
+  /// other evidence. None where it is a mirror image, at another scale, distorted or undetermined.
   std::optional<RunnerUp> refused;
   /// Without a pose: the rows that agree in length are a mirror image, which no motion brings into place.
   bool mirrored = false;
