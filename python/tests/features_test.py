@@ -83,7 +83,9 @@ def test_refined_registration_is_that_of_the_command(scans, command, tmp_path):
     assert registration.inliers.tolist() == plain.registration.inliers.tolist()
     assert registration.stages[-1].name == "refine" and registration.stages[-1].output == refinement.pairs
     np.testing.assert_allclose(registration.pose, POSE, atol=0.005)
-    assert np.abs(registration.pose - POSE).max() < np.abs(plain.registration.pose - POSE).max()
+    # Without attempts at coarser voxels, whose poses are refined, it is that of the correspondences.
+    rough, _ = consimd.register_clouds(*scans, voxel=0.15, verify=False)
+    assert np.abs(registration.pose - POSE).max() < np.abs(rough.pose - POSE).max()
 
 
 @pytest.mark.parametrize("method", ["point", "plane", "gicp"])
