@@ -17,13 +17,12 @@ import pathlib
 import numpy as np
 
 NEVER = np.inf
+CLEAR = 0.5  # metres about a viewpoint without a shape
 
 
 def turned_about_z(yaw):
     return np.array([[np.cos(yaw), -np.sin(yaw), 0], [np.sin(yaw), np.cos(yaw), 0], [0, 0, 1]])
 
-
-CLEAR = 0.5  # metres about a viewpoint without a shape
 
 # Shapes: distances from `origin` along unit `rays` (N x 3) to where these meet the surface, NEVER where they do not; and
 # whether a point is within them, or nearly so.

@@ -64,7 +64,8 @@ std::string hint_of(double source_extent, double target_extent) {
          " times as long as the other: are both in the same unit?";
 }
 
-/// Of clouds that voxels thin out so little that hardly any has others near it, within the radii that go with them.
+/// Names a voxel that suits the clouds, where theirs are so small that hardly any has others within the radii that go
+/// with them; empty otherwise.
 std::string hint_of_small_voxels(const Cloud& source, const Cloud& target, const CloudMatches& found) {
   if (found.source.descriptors > 0 && found.target.descriptors > 0) return {};
   const double suited = std::max(choose_voxel(source), choose_voxel(target));

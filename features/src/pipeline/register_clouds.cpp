@@ -18,8 +18,8 @@ constexpr double kCoarser = 1.5;
 // A pose whose chance is larger is held against what the coarser voxels give: the right ones that clouds and
 // correspondences leave in doubt are often beyond it there.
 constexpr double kBeyondDoubt = -12.0;
-// Of eighty made-up places seen from two points, most of them 12 to 28 m apart, 32 are found by two attempts, 49 by
-// three, 52 by four and 53 by five.
+// Two attempts find 32 of eighty made-up places that are seen from two points, most of them 12 to 28 m apart; three
+// find 49, four 52 and five 53.
 constexpr std::uint32_t kMostAttempts = 4;
 // Points a voxel, of the attempts after the first one: scans of 16 beams, or thinned out along their rings, have
 // surfaces from then on: of twelve streets scanned so 1 is found at first, 5 with four points and 11 with eight; of

@@ -44,8 +44,9 @@ constexpr double kDisplacedAreSeenThrough = 0.1;
 
 // Displaced poses that agree at less than this part of the samples hardly meet a surface, as of an object in an empty
 // room. Their tail then says little of how rare an agreement is: it counts as what clouds alone have to show (kOnce),
-// and without correspondences for nothing. Of 107 right poses that clouds alone bear out each has 0.041 of it or more;
-// of seven wrong ones, of objects turned round and cropped scans, all have 0.025 or less.
+// and without correspondences for nothing. Without this rule clouds alone bore out 69 right poses of 400 pairs, each
+// with 0.041 of it or more, and nine wrong ones of others, of objects turned round, cropped scans and a building, of
+// which seven have 0.025 or less.
 constexpr double kDisplacedMeet = 0.03;
 constexpr double kLeastChanceUnmet = -4.0;
 

@@ -39,8 +39,9 @@ struct CloudRegistration {
   Registration registration;  ///< inliers are rows of matches.correspondences
   /// Where the clouds were to decide.
   std::optional<CloudVerdict> verdict = std::nullopt;
-  /// Of the front end; all else is of the one whose pose is least likely by chance. Where none is borne out it is the
-  /// first, or one that shows that the scene repeats itself or that the clouds are of two scales.
+  /// How often the front end was tried. All else is of the attempt whose pose is least likely by chance; where none is
+  /// borne out it is of the first, or of one that shows that the scene repeats itself or that the clouds are of two
+  /// scales.
   std::size_t attempts = 1;
   /// Where it was asked for and there was a pose to start from.
   std::optional<Refinement> refinement = std::nullopt;
