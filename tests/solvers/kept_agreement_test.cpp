@@ -9,6 +9,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <limits>
+#include <numbers>
 #include <optional>
 #include <random>
 #include <vector>
@@ -17,6 +18,7 @@
 #include "support/pose_candidate.hpp"
 #include "verdict/false_poses.hpp"
 #include "verdict/kept_agreement.hpp"
+#include "verdict/kept_viewpoint.hpp"
 
 namespace consimd::test {
 namespace {
@@ -86,9 +88,9 @@ TEST(KeptChances, AreNoLessThanThoseOfRandomPairing) {
   }
 }
 
-TEST(KeptChances, OfRangesAreThoseAboutTheViewpoint) {
+TEST(KeptChances, OfRangesAreThoseAboutTheSensorWhereverItIs) {
   // What a sensor sees ahead of it, in map coordinates: neither their origin nor the middle of the points is the
-  // sensor.
+  // sensor, which is told or not.
   const std::array<double, 3> sensor{4e5, -3e5, 100.0};
   const Problem problem = synth::hard_problem({.correspondences = 2400,
                                                .outlier_ratio = 1.0,
@@ -101,12 +103,95 @@ TEST(KeptChances, OfRangesAreThoseAboutTheViewpoint) {
     if (source_point(problem, row).x() > sensor[0]) ahead.push_back(row);
   }
   Correspondences rows = problem.correspondences().subset(ahead);
-  EXPECT_TRUE(chances_at(rows, problem.decoy_T_target_source, problem.sigma).kept.empty());
-  rows.set_source_viewpoint(sensor);
-  const AtPose at = chances_at(rows, problem.decoy_T_target_source, problem.sigma);
-  EXPECT_FALSE(at.kept.empty());
-  // One mismatched pair in some fifty has ranges within the bound of 0.3 m, every row has.
-  EXPECT_GT(largest(at), 20.0 * at.at_random.support.front());
+  for (const bool is_told : {false, true}) {
+    if (is_told) rows.set_source_viewpoint(sensor);
+    const AtPose at = chances_at(rows, problem.decoy_T_target_source, problem.sigma);
+    EXPECT_FALSE(at.kept.empty()) << is_told;
+    // One mismatched pair in some fifty has ranges within the bound of 0.3 m, every row has.
+    EXPECT_GT(largest(at), 20.0 * at.at_random.support.front()) << is_told;
+  }
+}
+
+// In a map; a target's sensor.
+const Eigen::Vector3d kTargetSensor(5e5, 5.4e6, 0.0);
+
+// Rows of two unrelated scenes, matched at random but for height and range. The decoy motion takes one sensor, which is
+// within 20 m in the map, to the other.
+Problem unrelated_ranges(std::uint64_t trial) {
+  std::mt19937_64 random(trial);
+  std::uniform_real_distribution<double> range(3.0, 40.0);
+  std::uniform_real_distribution<double> height(-2.0, 6.0);
+  std::uniform_real_distribution<double> azimuth(0.0, 2.0 * std::numbers::pi);
+  std::uniform_real_distribution<double> place(-20.0, 20.0);
+  std::normal_distribution<double> noise(0.0, 0.05);
+  const Eigen::Vector3d between(place(random), place(random), 0.0);
+  Problem problem;
+  problem.decoy_T_target_source.translation() = -between;
+  for (std::size_t row = 0; row < std::array{60U, 200U, 800U}[trial % 3]; ++row) {
+    const double r = range(random);
+    const double z = height(random);
+    const double from = azimuth(random);
+    const double to = azimuth(random);
+    const auto add = [&](std::vector<double>& points, const Eigen::Vector3d& sensor, double angle) {
+      const Eigen::Vector3d point = sensor + Eigen::Vector3d(r * std::cos(angle), r * std::sin(angle), z);
+      points.insert(points.end(), {point.x() + noise(random), point.y() + noise(random), point.z() + noise(random)});
+    };
+    add(problem.source, kTargetSensor + between, from);
+    add(problem.target, kTargetSensor, to);
+  }
+  problem.is_inlier.assign(problem.source.size() / 3, 0);
+  return problem;
+}
+
+TEST(KeptChances, OfRangesAboutAnUnknownSensorGiveHardlyEverASuccess) {
+  std::size_t successes = 0;
+  for (std::uint64_t trial = 0; trial < trials(60); ++trial) {
+    const Correspondences rows = unrelated_ranges(trial).correspondences();
+    if (register_by_name("tcf", rows, {.noise_bound = 0.3, .seed = trial}).status == Status::success) ++successes;
+  }
+  // Three of another 300 are one: more than four of 60 are with a probability of 4e-4.
+  EXPECT_LE(successes, 4U);
+}
+
+TEST(KeptViewpoint, IsTheSensorWhereverItIs) {
+  for (std::uint64_t trial = 0; trial < 30; ++trial) {
+    const Problem problem = unrelated_ranges(trial);
+    const Correspondences rows = problem.correspondences();
+    const Eigen::Vector3d sensor = problem.decoy_T_target_source.inverse() * kTargetSensor;
+    const Eigen::Vector3d found =
+        detail::kept_viewpoint(rows) / rows.view().scale() + Eigen::Vector3d(rows.source_centroid().data());
+    // Heights are kept, so that ranges leave that of the viewpoint free.
+    EXPECT_NEAR(found.x(), sensor.x(), 0.15) << trial;
+    EXPECT_NEAR(found.y(), sensor.y(), 0.15) << trial;
+  }
+}
+
+TEST(KeptViewpoint, IsTheGivenOneWhereNothingIsKept) {
+  for (std::uint64_t trial = 0; trial < 50; ++trial) {
+    for (const std::size_t size : {3U, 31U, 60U, 300U, 3000U}) {
+      const Problem problem = synth::hard_problem({.correspondences = size, .outlier_ratio = 0.95, .trial = trial});
+      Correspondences rows = problem.correspondences();
+      for (const double far : {0.0, 100.0, 1e6, 1e20, 1e200}) {
+        rows.set_source_viewpoint({far, -far, 0.5 * far});
+        const Eigen::Vector3d given(rows.source_viewpoint().data());
+        const Eigen::Vector3d expected = rows.view().scale() * (given - Eigen::Vector3d(rows.source_centroid().data()));
+        EXPECT_EQ(detail::kept_viewpoint(rows), expected) << trial << ' ' << size << ' ' << far;
+      }
+    }
+  }
+}
+
+TEST(KeptViewpoint, IsANumberForPointsThatTellNone) {
+  for (const double extent : {0.0, 1e-300, 1.0, 1e300}) {
+    Problem problem;
+    for (std::size_t row = 0; row < 40; ++row) {
+      const double along = extent * static_cast<double>(row);  // a line, or one point
+      problem.source.insert(problem.source.end(), {along, 0.0, 0.0});
+      problem.target.insert(problem.target.end(), {0.0, along, 0.0});
+    }
+    problem.is_inlier.assign(40, 0);
+    EXPECT_TRUE(detail::kept_viewpoint(problem.correspondences()).allFinite()) << extent;
+  }
 }
 
 TEST(KeptChances, AreNumbersForViewpointsBeyondAllBounds) {

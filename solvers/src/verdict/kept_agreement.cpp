@@ -8,8 +8,6 @@
 
 #include <Eigen/Eigenvalues>
 
-#include <consimd/kernels/elementary_functions.hpp>
-
 #include "support/points.hpp"
 #include "verdict/kept_coordinates.hpp"
 #include "verdict/pairing_chances.hpp"
@@ -21,27 +19,25 @@ namespace {
 
 // Mismatched pairs that are looked at.
 constexpr std::size_t kPairs = 1U << 17U;
-// Rows that keep a coordinate by chance alone once in so many times show nothing: one in a hundred for all kinds.
-constexpr double kNothingKept = 1e-3;
-// The share of the rows. What fewer keep may be another motion's: an object that is its own image when turned keeps
-// heights and ranges; or patches that keep one together, and say too much of all else.
-constexpr double kNearlyAll = 0.9;
-
 // The coordinates of a source, and what rows keep best: an axis of the sources is not quite the height where a few
 // poles make it lean, nor is its image under a pose of few supporters.
 constexpr std::size_t kBest = kCoordinates;
 constexpr std::size_t kCompared = kCoordinates + 1;
 // Rows that this may have been chosen for: by two directions and an offset.
 constexpr double kChosenFor = 5.0;
+// Before mismatched pairs are looked at no coordinate is taken to be kept by chance.
+constexpr double kNoChance = 0.0;
 // The cosine of the angle by which a pose may lean.
 constexpr double kLean = 1.0 - 0.5 * kLargestRotationDeviation * kLargestRotationDeviation;
 // Coordinates of a point, by its row, coordinate by coordinate.
 using Columns = std::array<std::vector<float>, kCompared>;
 
-// Sets of coordinates as bits, and how often each is the set of those kept.
+// Sets of coordinates as bits, and how often each is the set of those kept, to within each of the tested bounds: rows
+// may keep a coordinate better than the bound asks, and then a closer pose reaches no fewer of them along the others.
 constexpr std::size_t kSets = 1U << kCompared;
-constexpr std::size_t kBestOnly = 1U << kBest;
-using SetCounts = std::array<double, kSets>;
+constexpr std::size_t kBestOnly = std::size_t{1} << kBest;
+constexpr std::size_t kBestAndRange = kBestOnly | std::size_t{1} << index_of(Coordinate::range);
+using SetCounts = std::array<std::array<double, kSets>, kTestedBounds.size()>;
 
 std::size_t bits_of(const Kept& kept) {
   std::size_t bits = 0;
@@ -49,10 +45,16 @@ std::size_t bits_of(const Kept& kept) {
   return bits;
 }
 
-double count_with(const SetCounts& counts, std::size_t bits) {
-  double sum = 0.0;
-  for (std::size_t set = 0; set < kSets; ++set) sum += (set & bits) == bits ? counts[set] : 0.0;
-  return sum;
+// Rows that a set of coordinates may have been chosen for.
+double chosen_for(std::size_t bits) { return (bits & kBestOnly) != 0 ? kChosenFor : 0.0; }
+
+// How often all of a set were kept, at each of the tested bounds.
+std::array<double, kTestedBounds.size()> counts_with(const SetCounts& counts, std::size_t bits) {
+  std::array<double, kTestedBounds.size()> sums{};
+  for (std::size_t b = 0; b < kTestedBounds.size(); ++b) {
+    for (std::size_t set = 0; set < kSets; ++set) sums[b] += (set & bits) == bits ? counts[b][set] : 0.0;
+  }
+  return sums;
 }
 
 // What is kept by the rows that the pose misses, and by mismatched pairs of a source and a target.
@@ -101,7 +103,7 @@ class Agreement {
   [[nodiscard]] SetCounts missed_rows() const {
     SetCounts counts{};
     for (std::size_t row = 0; row < view_.size(); ++row) {
-      if (residual(row, row) >= near_) ++counts[kept_by(row, row)];
+      if (residual(row, row) >= near_) add_kept(row, row, counts);
     }
     return counts;
   }
@@ -121,8 +123,7 @@ class Agreement {
         // Near misses of a true pose.
         if (distance(source_point(view_, row), source_point(view_, other)) < near_) continue;
         ++result.reached.trials;
-        const std::size_t set = kept_by(row, other);
-        ++result.kept[set];
+        const std::size_t set = add_kept(row, other, result.kept);
         if ((set | kBestOnly) + 1 == kSets) add_if_reached(row, other, matched, result.reached);
       }
     }
@@ -174,12 +175,17 @@ class Agreement {
     return distance(moved(pose_, source_point(view_, source)), target_point(view_, target));
   }
 
-  [[nodiscard]] std::size_t kept_by(std::size_t source, std::size_t target) const {
-    std::size_t set = 0;
-    for (std::size_t c = 0; c < kCompared; ++c) {
-      set |= static_cast<std::size_t>(std::abs(sources_[c][source] - targets_[c][target]) < limit_) << c;
+  // Counts the sets of coordinates that a source and a target share, and returns that of the widest bound.
+  std::size_t add_kept(std::size_t source, std::size_t target, SetCounts& counts) const {
+    std::array<float, kCompared> apart{};
+    for (std::size_t c = 0; c < kCompared; ++c) apart[c] = std::abs(sources_[c][source] - targets_[c][target]);
+    std::array<std::size_t, kTestedBounds.size()> sets{};
+    for (std::size_t b = 0; b < kTestedBounds.size(); ++b) {
+      const float limit = static_cast<float>(kTestedBounds[b]) * limit_;
+      for (std::size_t c = 0; c < kCompared; ++c) sets[b] |= static_cast<std::size_t>(apart[c] < limit) << c;
+      ++counts[b][sets[b]];
     }
-    return set;
+    return sets.front();
   }
 
   CorrespondenceView view_;
@@ -198,28 +204,29 @@ std::vector<KeptChances> kept_chances(const Correspondences& correspondences, co
                                       const MatchedPoints& matched) {
   const Agreement agreement(correspondences, pose, noise_bound, reach);
   const SetCounts missed = agreement.missed_rows();
-  const double all = count_with(missed, 0);
-  std::vector<std::size_t> kept_by_nearly_all;
-  const auto is_kept = [&](std::size_t bits) { return all > 0.0 && count_with(missed, bits) >= kNearlyAll * all; };
-  for (const Kept& kept : kKept) {
-    if (is_kept(bits_of(kept))) kept_by_nearly_all.push_back(bits_of(kept));
-  }
-  if (agreement.has_best() && is_kept(kBestOnly)) kept_by_nearly_all.push_back(kBestOnly);
+  const double all = counts_with(missed, 0).front();
+  std::vector<std::size_t> sets;
+  for (const Kept& kept : kKept) sets.push_back(bits_of(kept));
+  if (agreement.has_best()) sets.insert(sets.end(), {kBestOnly, kBestAndRange});
+  std::erase_if(sets, [&](std::size_t bits) {
+    return !nearly_all_keep(all, counts_with(missed, bits).front(), kNoChance, chosen_for(bits));
+  });
   std::vector<KeptChances> result;
-  if (kept_by_nearly_all.empty()) return result;
+  if (sets.empty()) return result;
   const Agreement::Pairs pairs = agreement.pairs(matched);
-  for (const std::size_t bits : kept_by_nearly_all) {
-    const double rows = count_with(missed, bits);
-    const double of_pairs = count_with(pairs.kept, bits);
-    const double by_chance = chance(of_pairs, pairs.reached.trials);
-    const double chosen = bits == kBestOnly ? kChosenFor : 0.0;
-    if (log_binomial_tail(all - chosen, rows - chosen, by_chance) > elementary::log(kNothingKept)) continue;
+  for (const std::size_t bits : sets) {
+    const auto rows = counts_with(missed, bits);
+    const auto of_pairs = counts_with(pairs.kept, bits);
+    const double by_chance = chance(of_pairs.front(), pairs.reached.trials);
+    if (!nearly_all_keep(all, rows.front(), by_chance, chosen_for(bits))) continue;
     Chances chances = at_random;
+    double of_larger_bound = 1.0;
     for (std::size_t b = 0; b < kTestedBounds.size(); ++b) {
       const double given_kept = correspondences.size() <= kFewCorrespondences
-                                    ? chance(pairs.reached.hits[b], of_pairs)
-                                    : std::min(1.0, at_random.support[b] / by_chance);
-      chances.support[b] = std::max(at_random.support[b], rows / all * given_kept);
+                                    ? chance(pairs.reached.hits[b], of_pairs[b])
+                                    : at_random.support[b] / chance(of_pairs[b], pairs.reached.trials);
+      of_larger_bound = std::min(of_larger_bound, rows[b] / all * given_kept);
+      chances.support[b] = std::max(at_random.support[b], of_larger_bound);
     }
     result.push_back({chances, agreement.directions(bits)});
   }

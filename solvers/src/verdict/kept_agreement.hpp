@@ -24,11 +24,12 @@ struct KeptChances {
 /// Chances that a pose takes a source to a target if targets keep some coordinates of their sources, as they are seen
 /// to, and are paired at random otherwise. One for each kind of kKept that nearly all rows beyond kNearMisses bounds of
 /// the pose keep, and more of them than random pairing does, and for the position along the direction that they keep
-/// best,
+/// best, alone and with the range,
 ///
 ///   P_rows(kept) P_random(reached | kept),
 ///
-/// since a target that is reached has all coordinates of its source to within the residual. All rows tell of it, where
+/// since a target that is reached has all coordinates of its source to within the residual; at each of kTestedBounds,
+/// no larger than at a wider one. All rows tell of it, where
 /// strata may have too few alike: three to each of 32 rings, say. `at_random`: what random pairing gives, which none is
 /// less than. noise_bound, reach: caller's unit.
 [[nodiscard]] std::vector<KeptChances> kept_chances(const Correspondences& correspondences, const WorkingPose& pose,

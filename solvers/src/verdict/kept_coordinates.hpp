@@ -45,6 +45,10 @@ inline constexpr std::array kKept{kept(Coordinate::from_centroid),
                                   kept(Coordinate::range, Coordinate::greatest),
                                   kept(Coordinate::least, Coordinate::middle, Coordinate::greatest)};
 
+/// Whether matches keep something: `kept` of the `rows` that a pose misses do, which are nearly all of them and more
+/// than mismatched pairs with their chance `by_chance` would be. `chosen_for`: rows that it may have been chosen for.
+[[nodiscard]] bool nearly_all_keep(double rows, double kept, double by_chance, double chosen_for);
+
 /// The coordinates of points of the source frame.
 class SourceCoordinates {
  public:
