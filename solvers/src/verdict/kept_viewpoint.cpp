@@ -16,7 +16,7 @@ namespace {
 constexpr std::size_t kFewestRows = 32;
 constexpr std::size_t kSampledRows = 128;
 // By how much less ranges differ about a sensor. Of 300 sets of 32 uniform rows they differ 0.13 times as much or more
-// about the point that was fitted to them, on 42 recorded pairs 0.33 times; where rows keep a range to a hundredth,
+// about the point that was fitted to them, on 42 recorded pairs 0.25 times; where rows keep a range to a hundredth,
 // 0.01 to 0.03.
 constexpr double kBetter = 0.1;
 // Weights are those of the last of so many rounds.
