@@ -62,5 +62,21 @@ TEST(BorneOut, ARivalIsEqualUnlessItIsSeenThroughMore) {
   EXPECT_FALSE(has_equal_rival(evidence));
 }
 
+TEST(BorneOut, ARivalOfFourFifthsIsInDoubtUnlessItIsSeenThrough) {
+  features::PoseEvidence evidence = borne_out();
+  EXPECT_FALSE(has_rival_in_doubt(evidence));
+  evidence.rival.emplace();
+  evidence.rival->share_of_score = 0.81;
+  evidence.rival->agreement = 0.4;
+  evidence.rival->seen_through = 0.04;  // more than would make it an equal one
+  EXPECT_TRUE(has_rival_in_doubt(evidence));
+  EXPECT_FALSE(has_equal_rival(evidence));
+  evidence.rival->seen_through = 0.05;
+  EXPECT_FALSE(has_rival_in_doubt(evidence));
+  evidence.rival->seen_through = 0.04;
+  evidence.rival->share_of_score = 0.79;
+  EXPECT_FALSE(has_rival_in_doubt(evidence));
+}
+
 }  // namespace
 }  // namespace consimd::test

@@ -8,6 +8,8 @@
 #include <oneapi/tbb/task_arena.h>
 
 #include <algorithm>
+#include <atomic>
+#include <chrono>
 #include <limits>
 #include <optional>
 #include <vector>
@@ -332,6 +334,30 @@ TEST(RegisterVerifiedClouds, ScansOfFewRingsAreFoundWithLargerVoxels) {
     ++found;
   }
   EXPECT_GE(found, 4);  // all five, by the second or third attempt
+}
+
+// Whichever attempt it is that a stop ends, there is no further one, and the result says so.
+TEST(RegisterVerifiedClouds, AStopEndsAllAttempts) {
+  const Cloud source = cloud_of(scan_of(street(1), 4.0, 0.3, 1));
+  const Cloud target = cloud_of(scan_of(street(51), 0.0, 0.0, 2));
+  features::CloudRegistrationOptions options;
+  options.matching.voxel = kVoxel;
+  options.matching.keypoints = 2000;
+  const std::atomic<bool> requested = true;
+  options.stop.requested = &requested;
+  const auto stopped = register_clouds(source, target, options);
+  EXPECT_TRUE(stopped.registration.stopped);
+  EXPECT_EQ(stopped.attempts, 1u);
+  options.stop.requested = nullptr;
+  const auto start = std::chrono::steady_clock::now();
+  EXPECT_EQ(register_clouds(source, target, options).attempts, 4u);
+  const auto whole = std::chrono::steady_clock::now() - start;
+  for (int tenth = 1; tenth < 10; ++tenth) {
+    options.stop.deadline = std::chrono::steady_clock::now() + tenth * whole / 10;
+    const auto result = register_clouds(source, target, options);
+    EXPECT_TRUE(result.registration.stopped || result.attempts == 4) << tenth << " " << result.attempts;
+    EXPECT_FALSE(result.registration.has_pose()) << tenth;
+  }
 }
 
 // Problems without a pose: scans of different streets, from the front end on; and the same ones with it.

@@ -69,6 +69,15 @@ done
 consume find_package-native -DCMAKE_PREFIX_PATH="$work-native/prefix"
 consume find_package-kernels -DKERNELS_ONLY=ON -DCMAKE_PREFIX_PATH="$work-kernels/prefix" \
   -DCMAKE_DISABLE_FIND_PACKAGE_Eigen3=ON -DCMAKE_DISABLE_FIND_PACKAGE_TBB=ON
+say "a component that there is not"
+mkdir -p "$work-component"
+cat >"$work-component/CMakeLists.txt" <<'END'
+cmake_minimum_required(VERSION 3.25)
+project(component LANGUAGES NONE)
+find_package(consimd REQUIRED COMPONENTS solver)
+END
+said=$(cmake -S "$work-component" -B "$work-component/build" -DCMAKE_PREFIX_PATH="$static/prefix" 2>&1) && fail "find_package finds a component 'solver'"
+[[ $(tr -s '[:space:]' ' ' <<<"$said") == *"no component 'solver', expected some of: kernels;"* ]] || fail "find_package names no component: $said"
 # With the flags of the release build, so that ccache knows these objects too.
 werror=-DCONSIMD_WERROR=${CONSIMD_WERROR:-OFF}
 consume add_subdirectory-static -DCONSIMD_FROM=add_subdirectory -DCONSIMD_CHECKOUT="$root" "$werror"

@@ -180,12 +180,6 @@ bool is_ruled_out(const PoseEvidence& rival, const PoseEvidence& pose) {
   return rival.agreement < kRivalAgreement * pose.agreement || is_seen_through(rival);
 }
 
-/// Whether the best rival has about the score of a pose and is not seen through.
-bool has_rival_in_doubt(const PoseEvidence& evidence) {
-  return evidence.rival && evidence.rival->share_of_score >= kRivalAgreement &&
-         share_seen_through(evidence.rival->agreement, evidence.rival->seen_through) <= kSeenThrough;
-}
-
 /// Lets the clouds decide on the pose that was found, its runner-up and the clouds' own rival of it.
 void choose(const PoseVerifier& verifier, const Correspondences& correspondences, const RunnerUp& found,
             Registration& registration, CloudVerdict& verdict) {
@@ -270,6 +264,11 @@ bool has_equal_rival(const PoseEvidence& evidence) noexcept {
   if (rival.share_of_score < kLeastRivalScore) return false;
   return (rival.share_of_agreement >= 1.0 && is_not_ruled_out) ||
          (is_clean && of_displaced >= kDisplacedAreSeenThrough);
+}
+
+bool has_rival_in_doubt(const PoseEvidence& evidence) noexcept {
+  return evidence.rival && evidence.rival->share_of_score >= kRivalAgreement &&
+         share_seen_through(evidence.rival->agreement, evidence.rival->seen_through) <= kSeenThrough;
 }
 
 bool is_borne_out(const PoseEvidence& evidence, double log10_false_poses) noexcept {

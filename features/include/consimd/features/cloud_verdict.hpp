@@ -42,6 +42,10 @@ struct CloudVerdict {
 /// away, but nothing speaks against it.
 [[nodiscard]] bool has_equal_rival(const PoseEvidence& evidence) noexcept;
 
+/// Whether the rival has four fifths of the pose's score and is not seen through: a pose that the correspondences
+/// refuse is none then.
+[[nodiscard]] bool has_rival_in_doubt(const PoseEvidence& evidence) noexcept;
+
 /// Whether clouds bear a pose out: it is seen through in few places, agrees better than chance gives and at one scale,
 /// and the poses that correspondences give by chance (log10 of their number, as in Registration) times the chance that
 /// one of these agrees as well is small. Where displaced poses hardly meet a surface that chance counts as 10^-4 at the
