@@ -1,18 +1,17 @@
 #include <consimd/solvers/tcf_published.hpp>
 
-#include <algorithm>
 #include <utility>
 
-#include <consimd/kernels/elementary_functions.hpp>
 #include <consimd/solvers/one_point_ransac.hpp>
 #include <consimd/solvers/sa_cauchy_irls.hpp>
-#include <consimd/solvers/significance.hpp>
 #include <consimd/solvers/three_point_ransac.hpp>
 #include <consimd/solvers/two_point_ransac.hpp>
 
 #include "scale/rival_scale.hpp"
+#include "support/best_poses.hpp"
 #include "support/pose_candidate.hpp"
 #include "tcf/tcf_options.hpp"
+#include "verdict/final_pose.hpp"
 #include "verdict/pose_checks.hpp"
 #include "verdict/pose_test.hpp"
 
@@ -90,17 +89,11 @@ void solve(const Correspondences& correspondences, const TcfPublishedOptions& op
     result.status = Status::degenerate_geometry;
     return;
   }
-  const WorkingPose pose = to_working_pose(irls.fit.pose);
-  std::vector<std::uint32_t> inliers = detail::pose_inliers(correspondences.view(), pose, tau);
-  result.log10_false_poses = significance(correspondences, pose, tau).log10_false_poses +
-                             elementary::log10(std::max(options.bounds_tried, 1U));
-  if (inliers.size() < 3 || result.log10_false_poses >= detail::kSignificant) {
-    result.status = Status::no_consensus;
-    return;
-  }
-  result.status = Status::success;
-  result.T_target_source = to_caller_frame(irls.fit.pose, correspondences);
-  result.inliers = std::move(inliers);
+  detail::BestPoses poses(correspondences, tau);
+  poses.offer(detail::scored(correspondences.view(), to_working_pose(irls.fit.pose), tau));
+  const detail::PoseTest test = {tau, options.bounds_tried};
+  detail::finish_and_conclude(correspondences, test, poses, two.members, true, result, detail::Refinement::none);
+  if (result.has_pose()) result.T_target_source = to_caller_frame(irls.fit.pose, correspondences);  // not rounded
 }
 
 }  // namespace

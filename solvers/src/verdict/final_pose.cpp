@@ -60,6 +60,16 @@ std::optional<RunnerUp> runner_up(const Correspondences& correspondences, const 
                   log10_false_poses};
 }
 
+// An estimate that nothing refined may have a part of the consensus that makes it significant and leave the rest: none
+// if no pose near it has so many more supporters that it is no rival of that pose.
+std::optional<RunnerUp> better_pose_near(const Correspondences& correspondences, const PoseTest& test,
+                                         const BestPoses& poses) {
+  const PoseCandidate found = widely_optimise(correspondences, poses.best(), test.noise_bound);
+  if (is_rival(poses.best().support.count, found.support.count)) return std::nullopt;
+  return RunnerUp{to_caller_frame(from_working_pose(found.pose), correspondences), found.support.count,
+                  significance_if_doubtful(correspondences, test, found.pose)};
+}
+
 // log10 by which the best pose is more significant than another motion: what that reaches in the same data, structure
 // reaches that no stratum knows of. A motion whose supporters are mostly those of the best pose tells nothing.
 double lead(const Correspondences& correspondences, const PoseTest& test, const BestPoses& poses,
@@ -276,6 +286,12 @@ void finish_and_conclude(const Correspondences& correspondences, const PoseTest&
     final = finish(correspondences, test, poses, refinement);
   }
   conclude(correspondences, test, poses, set, final, confident, result);
+  if (refinement == Refinement::none && result.status == Status::success) {
+    if (const auto better = better_pose_near(correspondences, test, poses)) {
+      result.status = Status::ambiguous;
+      result.runner_up = better;
+    }
+  }
   report.output = result.inliers.size();
   report.iterations = final.rounds;
   result.stages.push_back(report);

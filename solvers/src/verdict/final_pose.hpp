@@ -50,7 +50,8 @@ void conclude(const Correspondences& correspondences, const PoseTest& test, cons
               const std::vector<std::uint32_t>& set, const FinalPose& final, bool confident, Registration& result);
 
 /// Both for searches other than the default. Adds the stage "refinement" to the report, or "significance" if nothing is
-/// refined. At least three correspondences.
+/// refined: the status is `ambiguous` then where a pose near by has more than five fourths of the supporters. At least
+/// three correspondences.
 void finish_and_conclude(const Correspondences& correspondences, const PoseTest& test, BestPoses poses,
                          const std::vector<std::uint32_t>& set, bool confident, Registration& result,
                          Refinement refinement = Refinement::full);

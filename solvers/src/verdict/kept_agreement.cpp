@@ -25,6 +25,9 @@ constexpr std::size_t kBest = kCoordinates;
 constexpr std::size_t kCompared = kCoordinates + 1;
 // Rows that this may have been chosen for: by two directions and an offset.
 constexpr double kChosenFor = 5.0;
+// Fewer mismatched pairs that keep the same hardly tell how many of them a pose reaches: by Laplace's rule one in ten
+// or more, whatever it is.
+constexpr double kTellingPairs = 8.0;
 // Before mismatched pairs are looked at no coordinate is taken to be kept by chance.
 constexpr double kNoChance = 0.0;
 // The cosine of the angle by which a pose may lean.
@@ -218,7 +221,7 @@ std::vector<KeptChances> kept_chances(const Correspondences& correspondences, co
     const auto rows = counts_with(missed, bits);
     const auto of_pairs = counts_with(pairs.kept, bits);
     const double by_chance = chance(of_pairs.front(), pairs.reached.trials);
-    if (!nearly_all_keep(all, rows.front(), by_chance, chosen_for(bits))) continue;
+    if (!nearly_all_keep(all, rows.front(), by_chance, chosen_for(bits)) || of_pairs.front() < kTellingPairs) continue;
     Chances chances = at_random;
     double of_larger_bound = 1.0;
     for (std::size_t b = 0; b < kTestedBounds.size(); ++b) {
