@@ -135,7 +135,7 @@ TEST(RivalPoses, RowsOfLikeHousesAreNoSuccess) {
 }
 
 // A tin: every turn about its axis is as good as another. The correspondences alone call these a success, as they do
-// a quarter of such pairs.
+// 11 of 60 such pairs.
 TEST(RivalPoses, ATinIsNoSuccess) {
   const auto tin = [](std::uint32_t seed) {
     std::mt19937 random(seed);
@@ -150,7 +150,7 @@ TEST(RivalPoses, ATinIsNoSuccess) {
     }
     return points;
   };
-  for (const std::uint32_t seed : {6U, 10U, 12U}) {
+  for (const std::uint32_t seed : {6U, 9U, 10U}) {
     const auto found =
         features::register_clouds(cloud_of(moved(some_pose(), tin(seed))), cloud_of(tin(seed + 10)), {.seed = seed});
     EXPECT_EQ(found.verdict->of_correspondences, Status::success) << seed;
