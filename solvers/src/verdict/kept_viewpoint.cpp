@@ -46,10 +46,9 @@ class RangeFit {
 
   // The same of mismatched pairs, about the v and w of the last fit.
   [[nodiscard]] double of_mismatched() {
-    const std::vector<Pair> pairs = pairs_;
-    for (std::size_t k = 0; k < pairs.size(); ++k) {
-      const Pair& other = pairs[(k + pairs.size() / 2) % pairs.size()];
-      pairs_[k].differ = std::abs((pairs[k].p - v_).norm() - (other.q - w_).norm());
+    for (std::size_t k = 0; k < pairs_.size(); ++k) {
+      const Pair& other = pairs_[(k + pairs_.size() / 2) % pairs_.size()];
+      pairs_[k].differ = std::abs((pairs_[k].p - v_).norm() - (other.q - w_).norm());
     }
     return median_difference();
   }
@@ -97,10 +96,13 @@ class RangeFit {
     return median;
   }
 
-  double median_difference() {
-    const auto middle = pairs_.begin() + static_cast<std::ptrdiff_t>(pairs_.size() / 2);
-    std::ranges::nth_element(pairs_, middle, {}, &Pair::differ);
-    return middle->differ;
+  // The pairs keep their order, and so sums over them their bits with any standard library.
+  [[nodiscard]] double median_difference() const {
+    std::vector<double> differences(pairs_.size());
+    std::ranges::transform(pairs_, differences.begin(), &Pair::differ);
+    const auto middle = differences.begin() + static_cast<std::ptrdiff_t>(differences.size() / 2);
+    std::ranges::nth_element(differences, middle);
+    return *middle;
   }
 
   template <int unknowns>
