@@ -30,7 +30,8 @@ class Status(str, enum.Enum):
     DEGENERATE_GEOMETRY = "degenerate_geometry"
     """The supporters do not determine a pose: they coincide or lie on a line."""
     AMBIGUOUS = "ambiguous"
-    """Another motion has about as much support, or the clouds agree at it as well: see `Registration.runner_up`."""
+    """Another motion has about as much support, or the clouds agree at it as well: see `Registration.runner_up`. Of
+    solvers that refine nothing also: a pose near theirs has more."""
     BUDGET_EXHAUSTED = "budget_exhausted"
     """The iteration budget ended before the wanted confidence; the best pose so far is given."""
 
@@ -243,7 +244,8 @@ def register(
         targets that somebody has checked. Nothing is searched or tested: neither noise bound, solver, filter nor option
         is taken.
     source_viewpoint: (3,), where the source was scanned from, in its own frame; None: at its origin. Matches tend to
-        keep the range about the sensor, and poses that this explains are no success. `Correspondences` have theirs.
+        keep the range about the sensor, and poses that this explains are no success; where nearly all rows keep ranges
+        far better about another point it takes that. `Correspondences` have theirs.
     options: the solver's own, see `describe_options(solver)`. `estimate_scale=True` of `pcr99`
         and `teaser` finds the scale of the source as well; it needs a noise bound and no filter.
 

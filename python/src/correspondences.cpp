@@ -84,7 +84,8 @@ void bind_correspondences(nb::module_& module) {
           "source, target: (N, 3), any one unit of length. float32 and float64 arrays are read in place, whatever\n"
           "their strides; others are converted to float64 first.\n"
           "source_viewpoint: x, y and z of where the source was scanned from, in its own frame. Matches tend to keep\n"
-          "the range about the sensor, which a verdict allows for.\n"
+          "the range about the sensor, which a verdict allows for; where nearly all rows keep ranges far better\n"
+          "about another point it takes that.\n"
           "ValueError on another shape, on differing lengths,\n"
           "and at a coordinate that is not finite, naming its row.")
       .def("__len__", [](const SharedCorrespondences& self) { return self.rows->size(); })

@@ -29,8 +29,8 @@ CPP_ALONE = {
     # Files, the parts that match_clouds is made of, and what consimd.features calls normals.
     "features": {"read_cloud", "choose_voxel", "occupied_voxels", "random_subset", "radius_neighbours", "resolution",
                  "estimate_normals", "refine_registration", "parse_refinement_method", "to_string", "moved_ply",
-                 "verify_registration", "decide", "is_borne_out", "has_equal_rival", "agrees_better_scaled",
-                 "is_of_another_scale", "read_array_matches", "read_matched_rows", "read_indexed_matches"},
+                 "verify_registration", "decide", "is_borne_out", "has_equal_rival", "has_rival_in_doubt",
+                 "agrees_better_scaled", "is_of_another_scale", "read_array_matches", "read_matched_rows", "read_indexed_matches"},
 }
 # Of Python alone: classes, and bit sets as masks.
 PYTHON_ALONE = {
@@ -195,7 +195,7 @@ def test_options_are_the_members_of_the_library(solver):
     """All of them: what a header declares can be set by name."""
     body = re.sub(r"enum class[^{]*{[^}]*}", "Enum", body_of("struct", OPTIONS_STRUCTS[solver]))
     names = re.findall(r"^  [\w:<>]+ (\w+)(?: = [^;]*)?;", body, re.MULTILINE)
-    # What every solver is given; tcf-published tests nothing.
+    # What every solver is given.
     task = {"noise_bound", "seed", "bounds_tried", "threads", "stop"}
     assert task - {"bounds_tried"} < set(names)
     assert list(consimd.solver_options(solver)) == [name for name in names if name not in task]

@@ -352,17 +352,16 @@ TEST(RegisterVerifiedClouds, AStopEndsAllAttempts) {
   const auto start = std::chrono::steady_clock::now();
   EXPECT_EQ(register_clouds(source, target, options).attempts, 4u);
   const auto whole = std::chrono::steady_clock::now() - start;
-  // Deadlines grow until none is met, by less than an attempt takes.
+  // Deadlines grow until one is not met, by a fifth each: the first attempt takes less than half of the time.
   bool later_ones_are_stopped = false;
-  for (int k = 1;; ++k) {
-    options.stop.deadline = std::chrono::steady_clock::now() + k * whole / 12;
+  bool all_are_through = false;
+  for (auto wait = whole / 50; !all_are_through && wait < 50 * whole; wait = 6 * wait / 5) {
+    options.stop.deadline = std::chrono::steady_clock::now() + wait;
     const auto result = register_clouds(source, target, options);
-    EXPECT_FALSE(result.registration.has_pose()) << k;
-    if (!result.registration.stopped) {
-      EXPECT_EQ(result.attempts, 4u);
-      break;
-    }
-    later_ones_are_stopped = later_ones_are_stopped || result.attempts > 1;
+    EXPECT_FALSE(result.registration.has_pose());
+    all_are_through = !result.registration.stopped;
+    EXPECT_TRUE(result.registration.stopped || result.attempts == 4);
+    later_ones_are_stopped = later_ones_are_stopped || (result.registration.stopped && result.attempts > 1);
   }
   EXPECT_TRUE(later_ones_are_stopped);
 }

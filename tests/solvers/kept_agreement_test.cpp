@@ -5,6 +5,7 @@
 #include <consimd/synth/noise_study.hpp>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
@@ -166,9 +167,62 @@ TEST(KeptViewpoint, IsTheSensorWhereverItIs) {
   }
 }
 
+TEST(KeptViewpoint, IsFoundOfSmallScenesInAMapAndOfRowsThatAreListedTwice) {
+  Problem problem = unrelated_ranges(1);
+  const Eigen::Vector3d sensor = problem.decoy_T_target_source.inverse() * kTargetSensor;
+  // The size of a hand: the origin of the map is a million lengths away.
+  for (std::size_t k = 0; k < problem.source.size(); ++k) {
+    const auto axis = static_cast<Eigen::Index>(k % 3);
+    problem.source[k] = sensor[axis] + 0.01 * (problem.source[k] - sensor[axis]);
+    problem.target[k] = kTargetSensor[axis] + 0.01 * (problem.target[k] - kTargetSensor[axis]);
+  }
+  const auto expect_found = [&] {
+    const Correspondences rows = problem.correspondences();
+    const Eigen::Vector3d found =
+        detail::kept_viewpoint(rows) / rows.view().scale() + Eigen::Vector3d(rows.source_centroid().data());
+    EXPECT_NEAR(found.x(), sensor.x(), 0.002);
+    EXPECT_NEAR(found.y(), sensor.y(), 0.002);
+  };
+  expect_found();
+  for (std::size_t k = problem.source.size(), all = k; k > 0; --k) {
+    problem.source.push_back(problem.source[all - k] + 1e-5);
+    problem.target.push_back(problem.target[all - k] + 1e-5);
+  }
+  problem.is_inlier.assign(problem.source.size() / 3, 0);
+  expect_found();
+}
+
+// About right rows every point keeps its ranges.
+TEST(KeptViewpoint, IsTheGivenOneWhereRowsAreRight) {
+  for (std::uint64_t trial = 0; trial < 30; ++trial) {
+    std::mt19937_64 random(trial);
+    std::uniform_real_distribution<double> coordinate(-50.0, 50.0);
+    std::normal_distribution<double> noise(0.0, 1.0);
+    const double thickness = trial % 2 == 0 ? 1.0 : 0.05;
+    const double sigma = std::array{0.0, 1e-3, 1e-2, 0.1}[trial % 4];
+    const RigidTransform pose = motion(0.7, {1.0, 2.0, 3.0}, {10.0, -20.0, 30.0});
+    Problem problem;
+    for (std::size_t row = 0; row < 150; ++row) {
+      const Eigen::Vector3d p(coordinate(random), coordinate(random), thickness * coordinate(random));
+      const Eigen::Vector3d q =
+          row % 3 != 0 ? pose * p : Eigen::Vector3d(coordinate(random), coordinate(random), coordinate(random));
+      problem.source.insert(problem.source.end(), {p.x(), p.y(), p.z()});
+      for (const double x : q) problem.target.push_back(x + sigma * noise(random));
+    }
+    problem.is_inlier.assign(150, 0);
+    Correspondences rows = problem.correspondences();
+    for (const double away : {0.0, 30.0, 1000.0, 1e5}) {
+      rows.set_source_viewpoint({away, 0.3 * away, 0.1 * away});
+      const Eigen::Vector3d given(rows.source_viewpoint().data());
+      const Eigen::Vector3d expected = rows.view().scale() * (given - Eigen::Vector3d(rows.source_centroid().data()));
+      EXPECT_EQ(detail::kept_viewpoint(rows), expected) << trial << ' ' << away;
+    }
+  }
+}
+
 TEST(KeptViewpoint, IsTheGivenOneWhereNothingIsKept) {
   for (std::uint64_t trial = 0; trial < 50; ++trial) {
-    for (const std::size_t size : {3U, 31U, 60U, 300U, 3000U}) {
+    for (const std::size_t size : {3U, 31U, 32U, 60U, 300U, 3000U}) {
       const Problem problem = synth::hard_problem({.correspondences = size, .outlier_ratio = 0.95, .trial = trial});
       Correspondences rows = problem.correspondences();
       for (const double far : {0.0, 100.0, 1e6, 1e20, 1e200}) {

@@ -70,7 +70,7 @@ TEST(TcfPublishedVerdict, APoseThatLeavesMostOfTheConsensusIsNoSuccess) {
       ++ambiguous;
     }
   }
-  EXPECT_GE(ambiguous, 2U);  // four
+  EXPECT_GE(ambiguous, 2U);  // there are four
 }
 
 TEST(TcfPublishedVerdict, EndsBeforeItsStagesWhereNoPoseCanBe) {

@@ -93,7 +93,8 @@ void solve(const Correspondences& correspondences, const TcfPublishedOptions& op
   poses.offer(detail::scored(correspondences.view(), to_working_pose(irls.fit.pose), tau));
   const detail::PoseTest test = {tau, options.bounds_tried};
   detail::finish_and_conclude(correspondences, test, poses, two.members, true, result, detail::Refinement::none);
-  if (result.has_pose()) result.T_target_source = to_caller_frame(irls.fit.pose, correspondences);  // not rounded
+  // The poses that are compared are of single precision; the paper's is not.
+  if (result.has_pose()) result.T_target_source = to_caller_frame(irls.fit.pose, correspondences);
 }
 
 }  // namespace

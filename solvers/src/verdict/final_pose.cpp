@@ -60,8 +60,8 @@ std::optional<RunnerUp> runner_up(const Correspondences& correspondences, const 
                   log10_false_poses};
 }
 
-// An estimate that nothing refined may have a part of the consensus that makes it significant and leave the rest: none
-// if no pose near it has so many more supporters that it is no rival of that pose.
+// An estimate that nothing refined may have a part of the consensus, which makes it significant, and leave the rest.
+// The pose near it that has so many more supporters that the estimate is no rival of it, if there is one.
 std::optional<RunnerUp> better_pose_near(const Correspondences& correspondences, const PoseTest& test,
                                          const BestPoses& poses) {
   const PoseCandidate found = widely_optimise(correspondences, poses.best(), test.noise_bound);
@@ -286,7 +286,7 @@ void finish_and_conclude(const Correspondences& correspondences, const PoseTest&
     final = finish(correspondences, test, poses, refinement);
   }
   conclude(correspondences, test, poses, set, final, confident, result);
-  if (refinement == Refinement::none && result.status == Status::success) {
+  if (refinement == Refinement::none && result.has_pose() && result.status != Status::ambiguous) {
     if (const auto better = better_pose_near(correspondences, test, poses)) {
       result.status = Status::ambiguous;
       result.runner_up = better;

@@ -8,6 +8,8 @@
 
 #include <Eigen/Eigenvalues>
 
+#include <consimd/kernels/elementary_functions.hpp>
+
 #include "support/points.hpp"
 #include "verdict/kept_coordinates.hpp"
 #include "verdict/pairing_chances.hpp"
@@ -19,24 +21,30 @@ namespace {
 
 // Mismatched pairs that are looked at.
 constexpr std::size_t kPairs = 1U << 17U;
+// The share of the rows. What fewer keep may be another motion's: an object that is its own image when turned keeps
+// heights and ranges; or patches that keep one together, and say too much of all else.
+constexpr double kNearlyAll = 0.9;
+// Rows that keep a coordinate by chance alone once in so many times show nothing: one in a hundred for all kinds.
+constexpr double kNothingKept = 1e-3;
+
 // The coordinates of a source, and what rows keep best: an axis of the sources is not quite the height where a few
 // poles make it lean, nor is its image under a pose of few supporters.
 constexpr std::size_t kBest = kCoordinates;
 constexpr std::size_t kCompared = kCoordinates + 1;
 // Rows that this may have been chosen for: by two directions and an offset.
 constexpr double kChosenFor = 5.0;
+// And rows that the viewpoint of a range may have been: see kept_viewpoint.
+constexpr double kViewpointChosenFor = 3.0;
 // Fewer mismatched pairs that keep the same hardly tell how many of them a pose reaches: by Laplace's rule one in ten
 // or more, whatever it is.
 constexpr double kTellingPairs = 8.0;
-// Before mismatched pairs are looked at no coordinate is taken to be kept by chance.
-constexpr double kNoChance = 0.0;
 // The cosine of the angle by which a pose may lean.
 constexpr double kLean = 1.0 - 0.5 * kLargestRotationDeviation * kLargestRotationDeviation;
 // Coordinates of a point, by its row, coordinate by coordinate.
 using Columns = std::array<std::vector<float>, kCompared>;
 
-// Sets of coordinates as bits, and how often each is the set of those kept, to within each of the tested bounds: rows
-// may keep a coordinate better than the bound asks, and then a closer pose reaches no fewer of them along the others.
+// Sets of coordinates as bits, and how often each is the set of those kept, to within each of the tested bounds: where
+// rows keep a coordinate better than the bound asks, a narrower one is reached as easily along it.
 constexpr std::size_t kSets = 1U << kCompared;
 constexpr std::size_t kBestOnly = std::size_t{1} << kBest;
 constexpr std::size_t kBestAndRange = kBestOnly | std::size_t{1} << index_of(Coordinate::range);
@@ -49,7 +57,9 @@ std::size_t bits_of(const Kept& kept) {
 }
 
 // Rows that a set of coordinates may have been chosen for.
-double chosen_for(std::size_t bits) { return (bits & kBestOnly) != 0 ? kChosenFor : 0.0; }
+double chosen_for(std::size_t bits) {
+  return bits == kBestAndRange ? kChosenFor + kViewpointChosenFor : bits == kBestOnly ? kChosenFor : 0.0;
+}
 
 // How often all of a set were kept, at each of the tested bounds.
 std::array<double, kTestedBounds.size()> counts_with(const SetCounts& counts, std::size_t bits) {
@@ -211,9 +221,8 @@ std::vector<KeptChances> kept_chances(const Correspondences& correspondences, co
   std::vector<std::size_t> sets;
   for (const Kept& kept : kKept) sets.push_back(bits_of(kept));
   if (agreement.has_best()) sets.insert(sets.end(), {kBestOnly, kBestAndRange});
-  std::erase_if(sets, [&](std::size_t bits) {
-    return !nearly_all_keep(all, counts_with(missed, bits).front(), kNoChance, chosen_for(bits));
-  });
+  std::erase_if(
+      sets, [&](std::size_t bits) { return !(all > 0.0 && counts_with(missed, bits).front() >= kNearlyAll * all); });
   std::vector<KeptChances> result;
   if (sets.empty()) return result;
   const Agreement::Pairs pairs = agreement.pairs(matched);
@@ -221,14 +230,17 @@ std::vector<KeptChances> kept_chances(const Correspondences& correspondences, co
     const auto rows = counts_with(missed, bits);
     const auto of_pairs = counts_with(pairs.kept, bits);
     const double by_chance = chance(of_pairs.front(), pairs.reached.trials);
-    if (!nearly_all_keep(all, rows.front(), by_chance, chosen_for(bits)) || of_pairs.front() < kTellingPairs) continue;
+    const double chosen = chosen_for(bits);
+    const bool is_chance =
+        log_binomial_tail(all - chosen, rows.front() - chosen, by_chance) > elementary::log(kNothingKept);
+    if (is_chance || of_pairs.front() < kTellingPairs) continue;
     Chances chances = at_random;
     double of_larger_bound = 1.0;
     for (std::size_t b = 0; b < kTestedBounds.size(); ++b) {
       const double given_kept = correspondences.size() <= kFewCorrespondences
                                     ? chance(pairs.reached.hits[b], of_pairs[b])
                                     : at_random.support[b] / chance(of_pairs[b], pairs.reached.trials);
-      of_larger_bound = std::min(of_larger_bound, rows[b] / all * given_kept);
+      of_larger_bound = std::min(of_larger_bound, rows[b] / all * std::min(1.0, given_kept));
       chances.support[b] = std::max(at_random.support[b], of_larger_bound);
     }
     result.push_back({chances, agreement.directions(bits)});

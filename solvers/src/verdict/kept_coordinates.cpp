@@ -4,30 +4,17 @@
 
 #include <Eigen/Eigenvalues>
 
-#include <consimd/kernels/elementary_functions.hpp>
 #include <consimd/kernels/kernel_data.hpp>
 
-#include "verdict/false_poses.hpp"
 #include "verdict/kept_viewpoint.hpp"
 
 namespace consimd::detail {
 namespace {
 
-// The share of the rows. What fewer keep may be another motion's: an object that is its own image when turned keeps
-// heights and ranges; or patches that keep one together, and say too much of all else.
-constexpr double kNearlyAll = 0.9;
-// Rows that keep a coordinate by chance alone once in so many times show nothing: one in a hundred for all kinds.
-constexpr double kNothingKept = 1e-3;
-
 // A viewpoint further away than this sees all sources at one range, as a float has it, and is no further.
 constexpr double kFurthest = 1e30;
 
 }  // namespace
-
-bool nearly_all_keep(double rows, double kept, double by_chance, double chosen_for) {
-  return kept >= kNearlyAll * rows &&
-         log_binomial_tail(rows - chosen_for, kept - chosen_for, by_chance) <= elementary::log(kNothingKept);
-}
 
 SourceCoordinates::SourceCoordinates(const Correspondences& correspondences, std::size_t step) {
   const CorrespondenceView view = correspondences.view();

@@ -14,8 +14,8 @@
 
 namespace consimd::detail {
 
-/// Positions along the axes of least, middle and greatest spread of the sources, distances from their viewpoint and
-/// from the centroid.
+/// Positions along the axes of least, middle and greatest spread of the sources, distances from their viewpoint (see
+/// kept_viewpoint) and from the centroid.
 enum class Coordinate : std::uint8_t { least, middle, greatest, range, from_centroid };
 inline constexpr std::size_t kCoordinates = 5;
 constexpr std::size_t index_of(Coordinate c) { return static_cast<std::size_t>(c); }
@@ -44,10 +44,6 @@ inline constexpr std::array kKept{kept(Coordinate::from_centroid),
                                   kept(Coordinate::range, Coordinate::middle),
                                   kept(Coordinate::range, Coordinate::greatest),
                                   kept(Coordinate::least, Coordinate::middle, Coordinate::greatest)};
-
-/// Whether matches keep something: `kept` of the `rows` that a pose misses do, which are nearly all of them and more
-/// than mismatched pairs with their chance `by_chance` would be. `chosen_for`: rows that it may have been chosen for.
-[[nodiscard]] bool nearly_all_keep(double rows, double kept, double by_chance, double chosen_for);
 
 /// The coordinates of points of the source frame.
 class SourceCoordinates {

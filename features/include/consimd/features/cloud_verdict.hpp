@@ -42,8 +42,8 @@ struct CloudVerdict {
 /// away, but nothing speaks against it.
 [[nodiscard]] bool has_equal_rival(const PoseEvidence& evidence) noexcept;
 
-/// Whether the rival has four fifths of the pose's score and is not seen through: a pose that the correspondences
-/// refuse is none then.
+/// Whether the rival has four fifths of the pose's score and is not seen through. A pose that the correspondences
+/// refuse is not taken where it has one.
 [[nodiscard]] bool has_rival_in_doubt(const PoseEvidence& evidence) noexcept;
 
 /// Whether clouds bear a pose out: it is seen through in few places, agrees better than chance gives and at one scale,

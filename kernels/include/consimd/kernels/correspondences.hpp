@@ -128,7 +128,7 @@ class Correspondences {
 
   /// Where the source cloud was taken from, in the caller's source frame: its origin unless told otherwise. No kernel
   /// reads it, and no pose depends on it; whether a pose is believed may, since matches of a scan tend to keep the
-  /// range about its sensor.
+  /// range about its sensor. Where nearly all rows keep ranges far better about another point, that is taken for it.
   [[nodiscard]] const std::array<double, 3>& source_viewpoint() const noexcept { return source_viewpoint_; }
   /// Throws std::invalid_argument at a coordinate that is not finite.
   void set_source_viewpoint(const std::array<double, 3>& viewpoint);

@@ -21,7 +21,8 @@ enum class Status : std::uint8_t {
   too_few_correspondences,  ///< fewer than three, copies and rows far from all others not counted
   no_consensus,             ///< no pose has more support than chance gives
   degenerate_geometry,      ///< the supporters do not determine a pose: coincident, or on a line
-  ambiguous,                ///< another motion has about as much support; see Registration::runner_up
+  ambiguous,                ///< another motion has about as much support, or a pose near one that nothing refined has
+                            ///< more; see Registration::runner_up
   budget_exhausted,         ///< the search ended before the wanted confidence: by its budget, or stopped
 };
 
@@ -69,7 +70,9 @@ struct Registration {
   double log10_false_poses = 0.0;
   /// The best pose of another motion that the search met, where it is significant. One with four fifths of the support
   /// is met nearly as surely as the best pose. Two rigid motions, or an object that is its own image when turned, show
-  /// here. Of two clouds it may be a pose at which these agree as well, with few rows (see cloud_verdict.hpp).
+  /// here. Of two clouds it may be a pose at which these agree as well, with few rows (see cloud_verdict.hpp). Of
+  /// tcf-published and of teaser without refinement it may be a pose near theirs, with more than five fourths of its
+  /// supporters.
   std::optional<RunnerUp> runner_up;
   /// Without a pose: the most significant one that was met, which chance or structure gives as well; for those who have
   /// other evidence. None where it is a mirror image, at another scale, distorted or undetermined.

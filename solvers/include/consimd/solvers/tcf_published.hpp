@@ -27,7 +27,8 @@ struct TcfPublishedOptions {
 /// Registers with algorithms 1 to 4 of the paper one after the other, each on what the one before kept, with the
 /// paper's constants: no pruning, Eq. (alpha-angle) as printed, the stop of the Cauchy IRLS in metres. It needs clouds
 /// that are hardly rotated against each other, and fails where outliers exceed about 95 %. The paper takes any pose for
-/// a success; here it must be significant, as every solver's. Parallel over hypotheses in the caller's oneTBB arena;
+/// a success; here the rules of all solvers judge it, and where a pose near it has more than five fourths of its
+/// supporters it is ambiguous. Parallel over hypotheses in the caller's oneTBB arena;
 /// the result has the same bits for any number of threads and every ISA. Throws std::invalid_argument on a bad option.
 [[nodiscard]] Registration register_tcf_published(const Correspondences& correspondences,
                                                   const TcfPublishedOptions& options);
