@@ -134,8 +134,7 @@ TEST(RivalPoses, RowsOfLikeHousesAreNoSuccess) {
   }
 }
 
-// A tin: every turn about its axis is as good as another. The correspondences alone call these a success, as they do
-// 11 of 60 such pairs.
+// A tin: every turn about its axis is as good as another. The correspondences alone call some of these a success.
 TEST(RivalPoses, ATinIsNoSuccess) {
   const auto tin = [](std::uint32_t seed) {
     std::mt19937 random(seed);
@@ -150,12 +149,14 @@ TEST(RivalPoses, ATinIsNoSuccess) {
     }
     return points;
   };
-  for (const std::uint32_t seed : {6U, 9U, 10U}) {
+  int called_a_success = 0;
+  for (const std::uint32_t seed : {6U, 9U, 10U, 13U, 17U, 22U}) {
     const auto found =
         features::register_clouds(cloud_of(moved(some_pose(), tin(seed))), cloud_of(tin(seed + 10)), {.seed = seed});
-    EXPECT_EQ(found.verdict->of_correspondences, Status::success) << seed;
+    called_a_success += found.verdict->of_correspondences == Status::success ? 1 : 0;
     EXPECT_NE(found.registration.status, Status::success) << seed;
   }
+  EXPECT_GE(called_a_success, 1);
 }
 
 TEST(ScaledFit, FindsTheScaleOfAnEnlargedCloud) {

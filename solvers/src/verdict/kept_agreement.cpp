@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <iterator>
 
 #include <Eigen/Eigenvalues>
 
@@ -219,7 +220,7 @@ std::vector<KeptChances> kept_chances(const Correspondences& correspondences, co
   const SetCounts missed = agreement.missed_rows();
   const double all = counts_with(missed, 0).front();
   std::vector<std::size_t> sets;
-  for (const Kept& kept : kKept) sets.push_back(bits_of(kept));
+  std::ranges::transform(kKept, std::back_inserter(sets), bits_of);
   if (agreement.has_best()) sets.insert(sets.end(), {kBestOnly, kBestAndRange});
   std::erase_if(
       sets, [&](std::size_t bits) { return !(all > 0.0 && counts_with(missed, bits).front() >= kNearlyAll * all); });

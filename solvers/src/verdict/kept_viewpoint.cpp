@@ -154,12 +154,12 @@ class RangeFit {
 
 Eigen::Vector3d kept_viewpoint(const Correspondences& correspondences) {
   const CorrespondenceView view = correspondences.view();
-  const Eigen::Vector3d given = view.scale() * (Eigen::Vector3d(correspondences.source_viewpoint().data()) -
-                                                Eigen::Vector3d(correspondences.source_centroid().data()));
+  Eigen::Vector3d given = view.scale() * (Eigen::Vector3d(correspondences.source_viewpoint().data()) -
+                                          Eigen::Vector3d(correspondences.source_centroid().data()));
   if (view.size() < kFewestRows || !correspondences.far_rows().empty()) return given;
   RangeFit fit(view, std::max<std::size_t>(1, view.size() / kSampledRows));
   const double kept = fit.best();
-  const Eigen::Vector3d best = fit.viewpoint();
+  Eigen::Vector3d best = fit.viewpoint();
   if (!(kept < kBetter * fit.of_mismatched())) return given;
   const bool is_seen_from_afar = !(given.squaredNorm() < kFurthest * kFurthest);
   return is_seen_from_afar || kept < kBetter * fit.about(given) ? best : given;
