@@ -51,7 +51,7 @@ TEST(TcfPublishedVerdict, NoPoseIsNoSuccess) {
   }
 }
 
-// Of rotated clouds its angle test keeps a part of the right rows, and the pose of these may leave most others.
+// Its angle test keeps a part of the right rows of rotated clouds, and the pose of these may leave most others.
 TEST(TcfPublishedVerdict, APoseThatLeavesMostOfTheConsensusIsNoSuccess) {
   std::size_t ambiguous = 0;
   for (std::uint64_t trial = 0; trial < 40; ++trial) {

@@ -28,10 +28,10 @@ struct KeptChances {
 ///
 ///   P_rows(kept) P_random(reached | kept),
 ///
-/// since a target that is reached has all coordinates of its source to within the residual; at each of kTestedBounds,
-/// no larger than at a wider one. All rows tell of it, where
-/// strata may have too few alike: three to each of 32 rings, say. `at_random`: what random pairing gives, which none is
-/// less than. noise_bound, reach: caller's unit.
+/// since a target that is reached has all coordinates of its source to within the residual. That is taken at each of
+/// kTestedBounds, and is no larger than at a wider one. All rows tell of it, where strata may have too few alike: three
+/// to each of 32 rings, say. `at_random`: what random pairing gives, which none is less than. noise_bound, reach:
+/// caller's unit.
 [[nodiscard]] std::vector<KeptChances> kept_chances(const Correspondences& correspondences, const WorkingPose& pose,
                                                     double noise_bound, double reach, const Chances& at_random,
                                                     const MatchedPoints& matched);

@@ -49,7 +49,8 @@ class RangeFit {
     }
   }
 
-  // By how much ranges differ in the median, about the best v and w or about a v that is given and the best w.
+  // These tell by how much ranges differ in the median, about the best v and w or about a v that is given and the best
+  // w.
   double best() {
     fit<7>(Eigen::Vector3d::Zero());
     return difference(0);
@@ -59,7 +60,7 @@ class RangeFit {
     return difference(0);
   }
 
-  // The same of mismatched pairs, about the v and w of the last fit.
+  // This tells the same of mismatched pairs, about the v and w of the last fit.
   [[nodiscard]] double of_mismatched() const {
     double largest = 0.0;
     for (std::size_t s = 1; s <= kShifts; ++s) {
@@ -76,7 +77,7 @@ class RangeFit {
     Eigen::Vector3d p, q;
   };
 
-  // Of v, w and c the last `unknowns` are fitted, with Cauchy's weights at the median.
+  // The last `unknowns` of v, w and c are fitted, with Cauchy's weights at the median.
   template <int unknowns>
   void fit(const Eigen::Vector3d& v) {
     using Vector = Eigen::Matrix<double, unknowns, 1>;
@@ -124,7 +125,7 @@ class RangeFit {
     return std::max((pair.p - v_).norm() + (pair.q - w_).norm(), kLeastRange);
   }
 
-  // Of a copy: the pairs keep their order, and so sums over them their bits with any standard library.
+  // A copy is partly sorted: the pairs keep their order, and sums over them their bits with any standard library.
   static double median(std::vector<double> values) {
     const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
     std::ranges::nth_element(values, middle);
