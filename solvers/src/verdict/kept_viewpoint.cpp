@@ -24,6 +24,10 @@ constexpr double kBetter = 0.1;
 // Rounds of reweighting, the first of which has equal weights. Ten times as many about a given viewpoint, which is
 // rarely asked: it is not to be given up for what some rounds more would come to.
 constexpr int kRounds = 5;
+// Where ranges still differ by half of what chance gives after the first rounds, as among random rows, the others are
+// spared.
+constexpr int kFirstRounds = 2;
+constexpr double kHopeful = 0.5;
 constexpr int kRoundsAboutGiven = 50;
 // A ridge for what ranges hardly tell: where heights are kept to a hundredth of the range, the height of the viewpoint,
 // which stays near the centroid's by it. About a given viewpoint nothing is to be held, and rounding alone asks for
@@ -51,12 +55,12 @@ class RangeFit {
 
   // These tell by how much ranges differ in the median, about the best v and w or about a v that is given and the best
   // w.
-  double best() {
-    fit<7>(Eigen::Vector3d::Zero());
+  double best(int rounds) {
+    fit<7>(Eigen::Vector3d::Zero(), rounds);
     return difference(0);
   }
   double about(const Eigen::Vector3d& v) {
-    fit<4>(v);
+    fit<4>(v, kRoundsAboutGiven);
     return difference(0);
   }
 
@@ -79,13 +83,13 @@ class RangeFit {
 
   // The last `unknowns` of v, w and c are fitted, with Cauchy's weights at the median.
   template <int unknowns>
-  void fit(const Eigen::Vector3d& v) {
+  void fit(const Eigen::Vector3d& v, int rounds) {
     using Vector = Eigen::Matrix<double, unknowns, 1>;
     v_ = v;
     w_.setZero();
     std::vector<double> differences(pairs_.size(), 1.0);
     double spread = 0.0;
-    for (int round = 0; round < (unknowns == 7 ? kRounds : kRoundsAboutGiven); ++round) {
+    for (int round = 0; round < rounds; ++round) {
       Eigen::Matrix<double, unknowns, unknowns> scatter = Eigen::Matrix<double, unknowns, unknowns>::Zero();
       Vector sum = Vector::Zero();
       for (std::size_t k = 0; k < pairs_.size(); ++k) {
@@ -159,7 +163,8 @@ Eigen::Vector3d kept_viewpoint(const Correspondences& correspondences) {
                                           Eigen::Vector3d(correspondences.source_centroid().data()));
   if (view.size() < kFewestRows || !correspondences.far_rows().empty()) return given;
   RangeFit fit(view, std::max<std::size_t>(1, view.size() / kSampledRows));
-  const double kept = fit.best();
+  if (!(fit.best(kFirstRounds) < kHopeful * fit.of_mismatched())) return given;
+  const double kept = fit.best(kRounds);
   Eigen::Vector3d best = fit.viewpoint();
   if (!(kept < kBetter * fit.of_mismatched())) return given;
   const bool is_seen_from_afar = !(given.squaredNorm() < kFurthest * kFurthest);
